@@ -1,0 +1,140 @@
+"""Syntax tree of Signal Temporal Logic formulas.
+
+Nodes are frozen and compare by structure; `span` (where the node stood in its source text) is
+left out of the comparison. Intervals are closed and in integer steps relative to the time at
+which the formula is evaluated.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+
+class Span(NamedTuple):
+    """Half-open range of character offsets in the source text."""
+
+    start: int
+    stop: int
+
+
+class Interval(NamedTuple):
+    """Closed interval [start, stop] in steps, 0 <= start <= stop."""
+
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Formula:
+    """Base of all nodes."""
+
+    span: Span | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True)
+class Constant(Formula):
+    """`true` or `false`."""
+
+    value: bool
+
+
+@dataclass(frozen=True)
+class Atom(Formula):
+    """A named predicate: satisfied where its margin is >= 0."""
+
+    name: str
+
+
+@dataclass(frozen=True)
+class Not(Formula):
+    """Negation."""
+
+    operand: Formula
+
+
+@dataclass(frozen=True)
+class And(Formula):
+    """Conjunction of two or more operands."""
+
+    operands: tuple[Formula, ...]
+
+
+@dataclass(frozen=True)
+class Or(Formula):
+    """Disjunction of two or more operands."""
+
+    operands: tuple[Formula, ...]
+
+
+@dataclass(frozen=True)
+class Implies(Formula):
+    """`left -> right`, right-associative."""
+
+    left: Formula
+    right: Formula
+
+
+@dataclass(frozen=True)
+class Eventually(Formula):
+    """`F_[a:b] operand`: at some step of the interval."""
+
+    interval: Interval
+    operand: Formula
+
+
+@dataclass(frozen=True)
+class Always(Formula):
+    """`G_[a:b] operand`: at every step of the interval."""
+
+    interval: Interval
+    operand: Formula
+
+
+@dataclass(frozen=True)
+class Until(Formula):
+    """`left U_[a:b] right`: left holds from now up to and including a step where right holds."""
+
+    interval: Interval
+    left: Formula
+    right: Formula
+
+
+def children(formula: Formula) -> tuple[Formula, ...]:
+    """Direct subformulas, left to right."""
+    match formula:
+        case Constant() | Atom():
+            return ()
+        case Not(operand=operand) | Eventually(operand=operand) | Always(operand=operand):
+            return (operand,)
+        case And(operands=operands) | Or(operands=operands):
+            return operands
+        case Implies(left=left, right=right) | Until(left=left, right=right):
+            return (left, right)
+    raise TypeError(f"not a formula: {formula!r}")
+
+
+def walk(formula: Formula) -> Iterator[Formula]:
+    """Every node of the tree, parents first."""
+    yield formula
+    for child in children(formula):
+        yield from walk(child)
+
+
+def atom_names(formula: Formula) -> tuple[str, ...]:
+    """Names of the atoms in order of first appearance."""
+    return tuple(dict.fromkeys(node.name for node in walk(formula) if isinstance(node, Atom)))
+
+
+def is_state_formula(formula: Formula) -> bool:
+    """Whether the formula has no temporal operator, so that one instant decides it."""
+    return not any(isinstance(node, Eventually | Always | Until) for node in walk(formula))
+
+
+def horizon(formula: Formula) -> int:
+    """Number of steps after the present one that decide the formula."""
+    inner = max((horizon(child) for child in children(formula)), default=0)
+    match formula:
+        case Eventually(interval=interval) | Always(interval=interval) | Until(interval=interval):
+            return interval.stop + inner
+        case _:
+            return inner
