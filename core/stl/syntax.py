@@ -5,7 +5,7 @@ left out of the comparison. Intervals are closed and in integer steps relative t
 which the formula is evaluated.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -29,6 +29,11 @@ class Formula:
     """Base of all nodes."""
 
     span: Span | None = field(default=None, compare=False, repr=False)
+
+
+def _check_operands(node: "And | Or") -> None:
+    if len(node.operands) < 2:
+        raise ValueError(f"{type(node).__name__} needs at least two operands: {node.operands}")
 
 
 @dataclass(frozen=True)
@@ -58,12 +63,18 @@ class And(Formula):
 
     operands: tuple[Formula, ...]
 
+    def __post_init__(self):
+        _check_operands(self)
+
 
 @dataclass(frozen=True)
 class Or(Formula):
     """Disjunction of two or more operands."""
 
     operands: tuple[Formula, ...]
+
+    def __post_init__(self):
+        _check_operands(self)
 
 
 @dataclass(frozen=True)
@@ -97,6 +108,28 @@ class Until(Formula):
     interval: Interval
     left: Formula
     right: Formula
+
+
+def conjunction(operands: Iterable[Formula], *, span: Span | None = None) -> Formula:
+    """All of any number of operands: `true` of none, the operand itself of one."""
+    return _join(And, tuple(operands), Constant(True, span=span), span)
+
+
+def disjunction(operands: Iterable[Formula], *, span: Span | None = None) -> Formula:
+    """One of any number of operands: `false` of none, the operand itself of one."""
+    return _join(Or, tuple(operands), Constant(False, span=span), span)
+
+
+def _join(
+    node: type[And] | type[Or], operands: tuple[Formula, ...], empty: Formula, span: Span | None
+) -> Formula:
+    match operands:
+        case ():
+            return empty
+        case (operand,):
+            return operand
+        case _:
+            return node(operands, span=span)
 
 
 def children(formula: Formula) -> tuple[Formula, ...]:
