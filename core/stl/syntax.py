@@ -164,7 +164,7 @@ def is_state_formula(formula: Formula) -> bool:
 
 
 def horizon(formula: Formula) -> int:
-    """Number of steps after the present one that decide the formula."""
+    """Count the steps after the present one that decide the formula."""
     inner = max((horizon(child) for child in children(formula)), default=0)
     match formula:
         case Eventually(interval=interval) | Always(interval=interval) | Until(interval=interval):
