@@ -1,0 +1,31 @@
+"""Regions, scenes and the shipped tasks."""
+
+from scenes.margins import RegionArrays, margins, margins_and_gradients, region_arrays
+from scenes.regions import Region, SceneError
+from scenes.scene import (
+    WORKSPACE_DIMENSION,
+    Scene,
+    format_scene,
+    load_scene,
+    load_task,
+    parse_scene,
+    save_scene,
+    task_names,
+)
+
+__all__ = [
+    "WORKSPACE_DIMENSION",
+    "Region",
+    "RegionArrays",
+    "Scene",
+    "SceneError",
+    "format_scene",
+    "load_scene",
+    "load_task",
+    "margins",
+    "margins_and_gradients",
+    "parse_scene",
+    "region_arrays",
+    "save_scene",
+    "task_names",
+]

@@ -1,0 +1,60 @@
+"""Linear: a single integrator in the plane (paper, App. A.2, "Linear").
+
+    x' = x + v dt,  y' = y + w dt,  dt = 0.2 s
+
+The paper is silent on the limits of v and w: 2 m/s an axis here, 0.4 m a step.
+"""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+
+
+@dataclass(frozen=True)
+class Linear:
+    """State (x, y) in [m]; action (v, w) in units of `max_velocity`.
+
+    Attributes:
+        dt: Duration of a step in [s].
+        max_velocity: Limit of the velocity on each axis in [m/s].
+        speed: Planning speed in [m/step]: the limit along an axis. Diagonal moves are faster, so
+            it underrates the robot by up to a factor of sqrt(2), never overrates it.
+    """
+
+    dt: float = 0.2
+    max_velocity: float = 2.0
+    speed: float = 0.4
+    workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0))
+    name: str = "linear"
+    state_size: int = 2
+    action_size: int = 2
+    position_size: int = 2
+    state_names: tuple[str, ...] = ("x [m]", "y [m]")
+    action_names: tuple[str, ...] = ("v", "w")
+
+    def rest(self, key: jax.Array, position: jax.Array) -> jax.Array:
+        """The position itself: the robot has neither heading nor speed."""
+        del key
+        return jnp.asarray(position, jnp.float32)
+
+    def place(self, key: jax.Array, position: jax.Array) -> jax.Array:
+        """The position itself, as for `rest`."""
+        return self.rest(key, position)
+
+    def step(self, state: jax.Array, action: jax.Array) -> jax.Array:
+        """Move for dt at the velocity `clip(action) * max_velocity`."""
+        return state + jnp.clip(action, -1.0, 1.0) * (self.max_velocity * self.dt)
+
+    def position(self, state: jax.Array) -> jax.Array:
+        """Position [..., 2] in [m]."""
+        return state[..., :2]
+
+    def observe(self, state: jax.Array) -> jax.Array:
+        """Nothing [0]: the position is all there is."""
+        return state[:0]
+
+    def to_frame(self, state: jax.Array, vectors: jax.Array) -> jax.Array:
+        """The vectors themselves: the robot's frame is parallel to the world's."""
+        del state
+        return vectors
