@@ -4,6 +4,13 @@ from core.stl.errors import FormulaError
 from core.stl.normal_form import fold_constants, negation_normal_form
 from core.stl.parser import MAX_DEPTH, MAX_LENGTH, parse
 from core.stl.printer import quote_name, to_math, to_text
+from core.stl.semantics import (
+    TraceError,
+    robustness,
+    robustness_signal,
+    satisfied,
+    smooth_robustness,
+)
 from core.stl.syntax import (
     Always,
     And,
@@ -41,6 +48,7 @@ __all__ = [
     "Not",
     "Or",
     "Span",
+    "TraceError",
     "Until",
     "atom_names",
     "children",
@@ -52,6 +60,10 @@ __all__ = [
     "negation_normal_form",
     "parse",
     "quote_name",
+    "robustness",
+    "robustness_signal",
+    "satisfied",
+    "smooth_robustness",
     "to_math",
     "to_text",
     "walk",

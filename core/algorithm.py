@@ -1,0 +1,99 @@
+"""Hyper-parameters, fixed when a program is compiled."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from core.errors import UserError
+from core.paper_mode import PaperMode
+from core.studio_mode import StudioMode
+
+ModeName = Literal["studio", "paper"]
+MethodName = Literal["tgpo", "tgpo-star"]
+
+
+@dataclass(frozen=True)
+class Algorithm:
+    """One method in one mode: TGPO* of the studio by default."""
+
+    mode: StudioMode | PaperMode = StudioMode()
+    environments: int = 512
+    hidden: tuple[int, ...] = (64, 64)
+    log_std: float = -0.5
+
+    learning_rate: float = 1e-3
+    weight_decay: float = 0.0
+    gradient_norm: float = 0.5
+    passes: int = 4
+    """Passes of PPO over a batch."""
+    minibatches: int = 8
+    discount: float = 0.99
+    trace: float = 0.95
+    """lambda of the generalised advantage estimate."""
+    clip: float = 0.2
+
+    share_mcmc: float = 0.4
+    share_elite: float = 0.1
+    elite_capacity: int = 512
+    elite_decay: float = 0.01
+    mcmc_steps: int = 10
+    mcmc_warmup: int = 0
+    mcmc_strides: tuple[int, ...] = (1, 2, 4, 8)
+    persistent_chains: bool = True
+
+    prune: bool = True
+    """Whether schedules are pruned by travel time."""
+    prune_candidates: int = 32
+    reserve: float = 1.2
+    """Planned duration of a leg over the shortest possible one."""
+    choice_candidates: int = 64
+    """Schedules that the critic chooses from at inference."""
+
+    @property
+    def count_mcmc(self) -> int:
+        """Episodes of an epoch whose schedules come from the chains."""
+        return round(self.environments * self.share_mcmc)
+
+    @property
+    def count_elite(self) -> int:
+        """Episodes of an epoch whose schedules come from the elite buffer."""
+        return round(self.environments * self.share_elite)
+
+
+PAPER = Algorithm(
+    mode=PaperMode(),
+    hidden=(512, 512, 512),
+    learning_rate=3e-4,
+    weight_decay=0.1,
+    mcmc_steps=500,
+    mcmc_warmup=200,
+    mcmc_strides=(1,),
+    persistent_chains=False,
+    elite_decay=0.0,
+    prune=False,
+)
+"""Table A.1. The paper leaves open PPO's passes, minibatches, discount, trace and clip: ours."""
+
+PAPER_VIOLATION = {"unicycle": -3.5, "ant": -1.5}
+"""lambda_4 of Table A.1 where it is not -3."""
+
+
+def make_algorithm(mode: ModeName, method: MethodName, robot: str) -> Algorithm:
+    """The preset of a mode and a method for a robot.
+
+    `tgpo` samples schedules uniformly; `tgpo-star` mixes in Metropolis-Hastings and the elite.
+
+    Raises:
+        UserError: unknown mode or method.
+    """
+    presets = {"studio": Algorithm(), "paper": PAPER}
+    if mode not in presets:
+        raise UserError(f"unknown mode {mode!r}. Available: {sorted(presets)}")
+    algorithm = presets[mode]
+    violation = PAPER_VIOLATION.get(robot, -3.0)
+    algorithm = replace(algorithm, mode=replace(algorithm.mode, violation=violation))
+    match method:
+        case "tgpo-star":
+            return algorithm
+        case "tgpo":
+            return replace(algorithm, share_mcmc=0.0, share_elite=0.0)
+    raise UserError(f"unknown method {method!r}. Available: ['tgpo', 'tgpo-star']")

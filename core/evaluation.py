@@ -1,0 +1,53 @@
+"""Success rates by the paper's protocol (Sec. 5.1): one schedule, one rollout, exact verdicts."""
+
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from core.networks import Parameters
+from core.programs import EvaluationPrograms
+from core.protocols import Array
+from core.stl import robustness
+from core.task import Task
+
+
+class Evaluation(NamedTuple):
+    """Verdicts of R rollouts from random initial states."""
+
+    robustness: np.ndarray  # [R] of the formula on the simulated traces [m]
+    schedules: np.ndarray  # [R, V] that the critic chose
+    values: np.ndarray  # [R] the critic's values of them
+
+    @property
+    def success_rate(self) -> float:
+        """Share of the traces that satisfy the formula."""
+        return float((self.robustness >= 0).mean())
+
+    @property
+    def robustness_mean(self) -> float:
+        """Mean robustness of the traces [m]."""
+        return float(self.robustness.mean())
+
+
+def trace_robustness(task: Task, margins: np.ndarray) -> np.ndarray:
+    """Robustness [R] of the task's formula on margins [L + 1, R, A] of simulated traces.
+
+    A trace with a number that is not finite has failed: its robustness is -inf.
+    """
+    names = task.grounding.atoms
+    traces = np.moveaxis(np.asarray(margins)[: task.horizon + 1, :, : len(names)], 0, 1)
+    value = np.asarray(robustness(task.formula, traces, names))
+    return np.where(np.isfinite(traces).all((1, 2)), value, -np.inf)
+
+
+def evaluate(
+    task: Task, programs: EvaluationPrograms, parameters: Parameters, key: Array
+) -> Evaluation:
+    """Roll out the critic's choice once from each of R random initial states."""
+    initial_key, choice_key = jax.random.split(key)
+    states = programs.initial(task.problem, initial_key)
+    schedules, values = programs.choose(task.problem, parameters, choice_key, states)
+    rollout = programs.roll_out(task.problem, parameters, states, schedules)
+    score = trace_robustness(task, np.asarray(rollout.margins))
+    return Evaluation(score, np.asarray(schedules), np.asarray(values))

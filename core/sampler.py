@@ -1,0 +1,118 @@
+"""Sampling of schedules: uniform, by travel time, by the critic, and from the elite (Sec. 4.3).
+
+Dimensions: N schedules, V variables, K elite capacity.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from core.grounding import FormulaArrays
+from core.protocols import Array
+
+
+class Elite(NamedTuple):
+    """The schedules of highest robustness so far."""
+
+    schedules: Array  # [K, V]
+    scores: Array  # [K]
+
+
+class Chains(NamedTuple):
+    """Result of Metropolis-Hastings."""
+
+    last: Array  # [N, V] where each chain stands
+    best: Array  # [N, V] the highest density that each chain met after its warm-up
+    accepted: Array  # [] share of accepted proposals
+
+
+def uniform_schedules(formula: FormulaArrays, key: Array, count: int) -> Array:
+    """Schedules [N, V], every variable uniform over its domain."""
+    shape = (count, formula.low.shape[0])
+    return jax.random.randint(key, shape, formula.low, formula.high + 1)
+
+
+def travelable_schedules(
+    formula: FormulaArrays,
+    shortfall: Callable[[Array], Array],
+    key: Array,
+    count: int,
+    candidates: int,
+) -> Array:
+    """Schedules [N, V] that leave time to travel.
+
+    Of `candidates` uniform schedules each, one of the least shortfall, ties broken at random:
+    uniform over the feasible ones wherever a group contains some.
+    """
+    draw_key, tie_key = jax.random.split(key)
+    drawn = uniform_schedules(formula, draw_key, count * candidates)
+    short = shortfall(drawn).reshape(count, candidates)
+    score = short + 1e-3 * jax.random.uniform(tie_key, short.shape)
+    grouped = drawn.reshape(count, candidates, -1)
+    return grouped[jnp.arange(count), score.argmin(1)]
+
+
+def metropolis_hastings(
+    log_density: Callable[[Array], Array],
+    formula: FormulaArrays,
+    key: Array,
+    start: Array,
+    *,
+    steps: int,
+    warmup: int,
+    strides: tuple[int, ...] = (1,),
+) -> Chains:
+    """Sample schedules from exp(log_density) (Alg. 2).
+
+    A proposal moves one variable by plus or minus one of the strides; a move out of the domain
+    is rejected. With strides (1,) this is the paper's proposal. The proposal is symmetric, so
+    exp(log_density) is the chains' stationary distribution.
+
+    Args:
+        log_density: maps schedules [N, V] to log densities [N], up to a constant.
+        formula: domains of the variables.
+        key: random key.
+        start: where the chains stand [N, V].
+        steps: proposals per chain.
+        warmup: steps after which `best` begins to be kept.
+        strides: possible step lengths.
+    """
+    count, size = start.shape
+    moves = jnp.array([sign * stride for stride in strides for sign in (-1, 1)], jnp.int32)
+
+    def propose(carry, inputs):
+        schedule, density, best, best_density = carry
+        step_key, index = inputs
+        variable_key, move_key, accept_key = jax.random.split(step_key, 3)
+        variable = jax.random.randint(variable_key, (count,), 0, jnp.maximum(formula.variables, 1))
+        move = jax.random.choice(move_key, moves, (count,))
+        proposal = schedule + jax.nn.one_hot(variable, size, dtype=jnp.int32) * move[:, None]
+        inside = ((proposal >= formula.low) & (proposal <= formula.high)).all(-1)
+        proposed = log_density(jnp.where(inside[:, None], proposal, schedule))
+        chance = jnp.log(jax.random.uniform(accept_key, (count,), minval=1e-12))
+        accept = inside & (chance < proposed - density)
+        schedule = jnp.where(accept[:, None], proposal, schedule)
+        density = jnp.where(accept, proposed, density)
+        better = (index >= warmup) & (density > best_density)
+        best = jnp.where(better[:, None], schedule, best)
+        best_density = jnp.where(better, density, best_density)
+        return (schedule, density, best, best_density), accept.mean()
+
+    density = log_density(start)
+    worst = jnp.full(count, -jnp.inf)
+    inputs = (jax.random.split(key, steps), jnp.arange(steps))
+    (last, _, best, _), accepted = jax.lax.scan(propose, (start, density, start, worst), inputs)
+    return Chains(last, best, accepted.mean())
+
+
+def update_elite(elite: Elite, schedules: Array, scores: Array, decay: float) -> Elite:
+    """Keep the K best of the buffer and the new schedules [N, V] with their scores [N].
+
+    `decay` is taken off old scores, so that one lucky episode does not stay for ever.
+    """
+    pool = jnp.concatenate([elite.schedules, schedules])
+    values = jnp.concatenate([elite.scores - decay, scores])
+    best, index = jax.lax.top_k(values, elite.scores.shape[0])
+    return Elite(pool[index], best)
