@@ -20,11 +20,13 @@ class Linear:
         max_velocity: Limit of the velocity on each axis in [m/s].
         speed: Planning speed in [m/step]: the limit along an axis. Diagonal moves are faster, so
             it underrates the robot by up to a factor of sqrt(2), never overrates it.
+        lag: Steps that a leg may need on top of its distance.
     """
 
     dt: float = 0.2
     max_velocity: float = 2.0
     speed: float = 0.4
+    lag: float = 1.0
     workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0))
     name: str = "linear"
     state_size: int = 2

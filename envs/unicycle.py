@@ -25,6 +25,7 @@ class Unicycle:
         speed: Planning speed in [m/step], 1.75 m/s: a turn at v needs a radius of v / 1 rad/s, so
             on paths among obstacles and with stops in regions the robot averages less than on a
             straight line, where nothing limits it.
+        lag: Steps that a leg may need on top of its distance, for turning and starting.
         placed_speed: Range of the speed in [m/s] of a placed robot.
         speed_scale: Speed in [m/s] that is observed as 1.
     """
@@ -33,6 +34,7 @@ class Unicycle:
     max_turn_rate: float = 1.0
     max_acceleration: float = 4.0
     speed: float = 0.35
+    lag: float = 3.0
     placed_speed: tuple[float, float] = (-0.5, 1.5)
     speed_scale: float = 3.0
     workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0))

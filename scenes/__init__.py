@@ -12,14 +12,19 @@ from scenes.scene import (
     save_scene,
     task_names,
 )
+from scenes.world import PLANAR, GoalGeometry, GridWorld, goal_geometry, world_arrays
 
 __all__ = [
+    "PLANAR",
     "WORKSPACE_DIMENSION",
+    "GoalGeometry",
+    "GridWorld",
     "Region",
     "RegionArrays",
     "Scene",
     "SceneError",
     "format_scene",
+    "goal_geometry",
     "load_scene",
     "load_task",
     "margins",
@@ -28,4 +33,5 @@ __all__ = [
     "region_arrays",
     "save_scene",
     "task_names",
+    "world_arrays",
 ]

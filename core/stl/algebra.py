@@ -51,8 +51,9 @@ class Algebra:
         # No window reaches the padding, so any finite value will do.
         padded = xp.pad(signal, [(0, 0)] * len(batch) + [(0, count * width - length)])
         blocks = padded.reshape(*batch, count, width)
-        heads = self.accumulate(blocks).reshape(padded.shape)
-        tails = xp.flip(self.accumulate(xp.flip(blocks, -1)), -1).reshape(padded.shape)
+        running = self.accumulate(xp.stack([blocks, xp.flip(blocks, -1)]))
+        heads = running[0].reshape(padded.shape)
+        tails = xp.flip(running[1], -1).reshape(padded.shape)
         starts = length - width + 1
         tails = tails[..., :starts]
         whole_block = xp.broadcast_to(np.arange(starts) % width == 0, tails.shape)
@@ -62,23 +63,38 @@ class Algebra:
 def exact_algebra(signal: Array) -> Algebra:
     """Return the maximum, in the library of the signal."""
     if isinstance(signal, jax.Array):
-        return Algebra(jnp.maximum, _on_last_axis(jax.lax.cummax), _scan_jax, jnp)
-    return Algebra(np.maximum, _accumulate_with(np.maximum), _scan_numpy, np)
+        return Algebra(jnp.maximum, _accumulate_jax(jnp.maximum), _scan_jax, jnp)
+    return Algebra(np.maximum, _accumulate_numpy(np.maximum), _scan_numpy, np)
 
 
 def smooth_algebra(signal: Array) -> Algebra:
     """Return log-sum-exp at temperature 1, in the library of the signal."""
     if isinstance(signal, jax.Array):
-        return Algebra(jnp.logaddexp, _on_last_axis(jax.lax.cumlogsumexp), _scan_jax, jnp)
-    return Algebra(np.logaddexp, _accumulate_with(np.logaddexp), _scan_numpy, np)
+        return Algebra(jnp.logaddexp, _accumulate_jax(jnp.logaddexp), _scan_jax, jnp)
+    return Algebra(np.logaddexp, _accumulate_numpy(np.logaddexp), _scan_numpy, np)
 
 
-def _on_last_axis(cumulative: Callable[..., jax.Array]) -> Callable[[Array], Array]:
-    return lambda signal: cumulative(signal, axis=signal.ndim - 1)
+def _accumulate_numpy(join: np.ufunc) -> Callable[[Array], Array]:
+    return lambda signal: join.accumulate(signal, axis=-1)
 
 
-def _accumulate_with(ufunc: np.ufunc) -> Callable[[Array], Array]:
-    return lambda signal: ufunc.accumulate(signal, axis=-1)
+def _accumulate_jax(join: Callable[[Array, Array], Array]) -> Callable[[Array], Array]:
+    """Accumulate by a sequential scan.
+
+    On a CPU it compiles and runs several times faster, above all with gradients, than the
+    associative scans `jax.lax.cummax` and `cumlogsumexp`.
+    """
+
+    def accumulate(signal: Array) -> Array:
+        def body(carry: Array, x: Array) -> tuple[Array, Array]:
+            carry = join(carry, x)
+            return carry, carry
+
+        xs = jnp.moveaxis(signal, -1, 0)
+        _, rest = jax.lax.scan(body, xs[0], xs[1:])
+        return jnp.moveaxis(jnp.concatenate([xs[:1], rest]), 0, -1)
+
+    return accumulate
 
 
 def _scan_jax(step: Callable[[Array, Array], Array], last: Array, xs: Array) -> Array:
