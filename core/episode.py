@@ -53,7 +53,7 @@ def check(problem: Problem, windows: Windows, tau: Array, mu: Array, gradient: A
 
 
 def _signed(tasks: TaskArrays, mu: Array, gradient: Array) -> tuple[Array, Array]:
-    sign = tasks.sign
+    sign = jnp.asarray(tasks.sign)
     return sign * mu[tasks.predicate], sign[:, None] * gradient[tasks.predicate]
 
 

@@ -128,8 +128,8 @@ def ground(decomposition: Decomposition, atoms: tuple[str, ...], horizon: int) -
     arrays = FormulaArrays(
         low,
         high,
-        np.int32(len(decomposition.variables)),
-        np.int32(steps),
+        np.asarray(len(decomposition.variables), np.int32),
+        np.asarray(steps, np.int32),
         goal_arrays,
         constraint_arrays,
         _requirement_arrays(decomposition),

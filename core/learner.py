@@ -3,7 +3,7 @@
 Dimensions: L steps, N environments, B = L * N transitions.
 """
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
@@ -45,9 +45,7 @@ def make_optimizer(algorithm: Algorithm) -> optax.GradientTransformation:
     )
 
 
-def advantages(
-    reward: Array, value: Array, ended: Array, discount: float, trace: float
-) -> Array:
+def advantages(reward: Array, value: Array, ended: Array, discount: float, trace: float) -> Array:
     """Generalised advantage estimates [L, N] (Schulman et al. 2016).
 
     Args:
@@ -66,9 +64,7 @@ def advantages(
         current = error + discount * trace * factor * following
         return current, current
 
-    _, result = jax.lax.scan(
-        backward, jnp.zeros(reward.shape[1:]), (delta, goes_on), reverse=True
-    )
+    _, result = jax.lax.scan(backward, jnp.zeros(reward.shape[1:]), (delta, goes_on), reverse=True)
     return result
 
 
@@ -106,12 +102,8 @@ def surrogate(
     """
     old_mean, old_log_std = before
     action = old_mean + jnp.exp(old_log_std) * samples.noise
-    deviation = (action - networks.action(parameters, samples.policy)) / jnp.exp(
-        parameters.log_std
-    )
-    log_ratio = (
-        0.5 * (samples.noise**2 - deviation**2) + old_log_std - parameters.log_std
-    ).sum(-1)
+    deviation = (action - networks.action(parameters, samples.policy)) / jnp.exp(parameters.log_std)
+    log_ratio = (0.5 * (samples.noise**2 - deviation**2) + old_log_std - parameters.log_std).sum(-1)
     ratio = jnp.exp(log_ratio)
     clipped = jnp.clip(ratio, 1 - clip, 1 + clip)
     gain = jnp.minimum(ratio * samples.advantage, clipped * samples.advantage)
@@ -148,4 +140,6 @@ def update(setting: Setting, state: LearnerState, batch: Batch) -> LearnerState:
         one_pass, carry, jax.random.split(shuffle_key, algorithm.passes)
     )
     elite = update_elite(state.elite, batch.schedule, batch.robustness, algorithm.elite_decay)
-    return LearnerState(parameters, optimizer_state, next_key, batch.chains, elite)
+    return LearnerState(
+        cast(Parameters, parameters), optimizer_state, next_key, batch.chains, elite
+    )

@@ -5,26 +5,24 @@ from typing import Any, NamedTuple
 import flax.linen as nn
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from core.protocols import Array
 
 
 class Perceptron(nn.Module):
-    """Multi-layer perceptron with tanh units and orthogonal initial weights."""
+    """Multi-layer perceptron with tanh units."""
 
     hidden: tuple[int, ...]
     outputs: int
-    output_scale: float
 
     @nn.compact
     def __call__(self, inputs: Array) -> Array:
         """Map features [..., f] to outputs [..., o]."""
         hidden = inputs
         for size in self.hidden:
-            weights = nn.initializers.orthogonal(2**0.5)
-            hidden = jnp.tanh(nn.Dense(size, kernel_init=weights)(hidden))
-        last = nn.initializers.orthogonal(self.output_scale)
-        return nn.Dense(self.outputs, kernel_init=last)(hidden)
+            hidden = jnp.tanh(nn.Dense(size)(hidden))
+        return nn.Dense(self.outputs)(hidden)
 
 
 class Parameters(NamedTuple):
@@ -41,13 +39,17 @@ class Networks(NamedTuple):
     actor: Perceptron
     critic: Perceptron
 
-    def initial(self, key: Array, policy_size: int, critic_size: int, log_std: float) -> Parameters:
-        """Fresh parameters for the given numbers of features."""
-        actor_key, critic_key = jax.random.split(key)
+    def initial(self, seed: int, policy_size: int, critic_size: int, log_std: float) -> Parameters:
+        """Fresh parameters for the given numbers of features.
+
+        Orthogonal weights with gain sqrt(2) (0.01 for the actor's last layer, 1 for the
+        critic's), made on the host: compiling their factorisation would take seconds.
+        """
+        random = np.random.default_rng(seed)
         return Parameters(
-            self.actor.init(actor_key, jnp.zeros(policy_size)),
-            self.critic.init(critic_key, jnp.zeros(critic_size)),
-            jnp.full(self.actor.outputs, log_std),
+            _orthogonal(self.actor, policy_size, 0.01, random),
+            _orthogonal(self.critic, critic_size, 1.0, random),
+            jnp.full(self.actor.outputs, log_std, jnp.float32),
         )
 
     def action(self, parameters: Parameters, features: Array) -> Array:
@@ -62,4 +64,25 @@ class Networks(NamedTuple):
 
 def make_networks(hidden: tuple[int, ...], action_size: int) -> Networks:
     """Actor and critic with the same hidden layers."""
-    return Networks(Perceptron(hidden, action_size, 0.01), Perceptron(hidden, 1, 1.0))
+    return Networks(Perceptron(hidden, action_size), Perceptron(hidden, 1))
+
+
+def _orthogonal(
+    network: Perceptron, inputs: int, last_gain: float, random: np.random.Generator
+) -> Any:
+    """Parameters of a perceptron with orthogonal kernels and zero biases."""
+    shapes = jax.eval_shape(network.init, jax.random.key(0), jnp.zeros(inputs))
+    last = f"Dense_{len(network.hidden)}"
+    layers = {}
+    for name, layer in sorted(shapes["params"].items()):
+        rows, columns = layer["kernel"].shape
+        square = random.normal(size=(max(rows, columns), min(rows, columns)))
+        factor, triangle = np.linalg.qr(square)
+        factor = factor * np.sign(np.diag(triangle))
+        kernel = factor if rows >= columns else factor.T
+        gain = last_gain if name == last else 2**0.5
+        layers[name] = {
+            "kernel": jnp.asarray(gain * kernel, jnp.float32),
+            "bias": jnp.zeros(columns, jnp.float32),
+        }
+    return {"params": layers}

@@ -38,7 +38,7 @@ class PaperMode:
     scale: float = 1.0
     exploring: float = 0.0
 
-    def begin(  # noqa: PLR0917
+    def begin(
         self, robot: Robot, world: World, problem: Problem, windows: Windows, state: Array, tau
     ) -> tuple[Episode, PaperSense]:
         """Episode that starts in `state` [n] at step `tau` with no progress."""
@@ -58,7 +58,7 @@ class PaperMode:
         )
         return episode, sense
 
-    def advance(  # noqa: PLR0917
+    def advance(
         self,
         robot: Robot,
         world: World,
@@ -102,7 +102,7 @@ class PaperMode:
         """Whether the progress pointer and the flags say that all was achieved."""
         return (episode.progress >= windows.count) & (episode.satisfied.min() > 0)
 
-    def policy_features(  # noqa: PLR0917
+    def policy_features(
         self,
         robot: Robot,
         problem: Problem,
@@ -126,7 +126,7 @@ class PaperMode:
             ]
         )
 
-    def critic_features(  # noqa: PLR0917
+    def critic_features(
         self,
         problem: Problem,
         windows: Windows,
@@ -140,7 +140,7 @@ class PaperMode:
         del problem, windows, slack, shortfall, episode, sense
         return features
 
-    def _sense(  # noqa: PLR0917
+    def _sense(
         self, robot: Robot, world: World, problem: Problem, windows: Windows, state: Array, tau
     ) -> PaperSense:
         mu, gradient = extended_margins(world, problem, robot.position(state))

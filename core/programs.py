@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from core.algorithm import Algorithm
 from core.grounding import MAX_VARIABLES
@@ -28,7 +29,6 @@ from core.rollout import (
     begin,
     choose_schedules,
     collect,
-    feasible_schedules,
     ground_schedule,
     initial_states,
     roll_out,
@@ -44,7 +44,6 @@ EVALUATION_STATES = 512
 class TrainingPrograms(NamedTuple):
     """Compiled programs of a training run."""
 
-    start: Callable[[Problem, Array], LearnerState]
     collect: Callable[[Problem, LearnerState], Batch]
     update: Callable[[LearnerState, Batch], LearnerState]
     seconds: float
@@ -109,25 +108,27 @@ class _Shapes:
         return isinstance(other, _Shapes) and self.key == other.key
 
 
-def _start(setting: Setting, problem: Problem, key: Array) -> LearnerState:
-    """Fresh learner state."""
-    algorithm = setting.algorithm
-    network_key, state_key, chain_key, elite_key, next_key = jax.random.split(key, 5)
-    states = initial_states(setting, problem, state_key, algorithm.elite_capacity)
-    elite = feasible_schedules(setting, problem, elite_key, states)
-    chains = feasible_schedules(setting, problem, chain_key, states)[: algorithm.count_mcmc]
-    position = setting.robot.position(states[0])
-    grounded = ground_schedule(setting, problem, position, elite[0])
-    view = begin(setting, problem, grounded, states[0], jnp.float32(0))
-    parameters = setting.networks.initial(
-        network_key, view.policy.shape[0], view.critic.shape[0], algorithm.log_std
-    )
+def fresh_learner(task: Task, algorithm: Algorithm, seed: int) -> LearnerState:
+    """State of the learner before the first epoch: made on the host, nothing is compiled."""
+    setting = setting_of(task, algorithm)
+    policy_size, critic_size = _feature_sizes(setting, _Shapes(task.problem))
+    parameters = setting.networks.initial(seed, policy_size, critic_size, algorithm.log_std)
+    low, high = np.asarray(task.problem.formula.low), np.asarray(task.problem.formula.high)
+    random = np.random.default_rng([seed, 1])
+
+    def schedules(count: int) -> Array:
+        drawn = random.integers(low, high + 1, (count, low.size))
+        return jnp.asarray(drawn, jnp.int32)
+
     return LearnerState(
         parameters,
         make_optimizer(algorithm).init(parameters),
-        next_key,
-        chains,
-        Elite(elite, jnp.full(algorithm.elite_capacity, -1e6)),
+        jax.random.key(seed),
+        schedules(algorithm.count_mcmc),
+        Elite(
+            schedules(algorithm.elite_capacity),
+            jnp.full(algorithm.elite_capacity, -1e6, jnp.float32),
+        ),
     )
 
 
@@ -142,58 +143,75 @@ def _score(setting: Setting, problem: Problem, parameters, state, schedules):
 
 
 @cache
+def _feature_sizes(setting: Setting, shapes: _Shapes) -> tuple[int, int]:
+    """Numbers of features of the policy and the critic."""
+
+    def first_view(problem, state, schedule):
+        position = setting.robot.position(state)
+        grounded = ground_schedule(setting, problem, position, schedule)
+        return begin(setting, problem, grounded, state, jnp.float32(0))
+
+    view = jax.eval_shape(first_view, shapes.struct, *_state_and_schedule(setting))
+    return view.policy.shape[0], view.critic.shape[0]
+
+
+def _state_and_schedule(setting: Setting, *batch: int) -> tuple[Any, Any]:
+    """Shapes of states [*batch, n] and schedules [*batch, V]."""
+    return (
+        jax.ShapeDtypeStruct((*batch, setting.robot.state_size), jnp.float32),
+        jax.ShapeDtypeStruct((*batch, MAX_VARIABLES), jnp.int32),
+    )
+
+
+@cache
+def _learner_shapes(setting: Setting, shapes: _Shapes) -> LearnerState:
+    """Shapes of the learner's state."""
+    algorithm = setting.algorithm
+    parameters = setting.networks.initial(0, *_feature_sizes(setting, shapes), 0.0)
+    optimizer = make_optimizer(algorithm)
+    _, elite = _state_and_schedule(setting, algorithm.elite_capacity)
+    _, chains = _state_and_schedule(setting, algorithm.count_mcmc)
+    scores: Any = jax.ShapeDtypeStruct((algorithm.elite_capacity,), jnp.float32)
+    example: Any = (parameters, optimizer.init(parameters), jax.random.key(0))
+    parameters, optimizer_state, key = jax.eval_shape(lambda: example)
+    return LearnerState(parameters, optimizer_state, key, chains, Elite(elite, scores))
+
+
+@cache
 def _training_programs(setting: Setting, shapes: _Shapes) -> TrainingPrograms:
     began = time.perf_counter()
-    start = partial(_start, setting)
-    collector = partial(_collect, setting)
-    key = jax.eval_shape(lambda: jax.random.key(0))
-    state = jax.eval_shape(start, shapes.struct, key)
-    batch = jax.eval_shape(collector, shapes.struct, state)
-    compiled = _compile(
-        (collector, (shapes.struct, state)),
-        (partial(update, setting), (state, batch)),
-        (start, (shapes.struct, key)),
-    )
-    return TrainingPrograms(
-        compiled[2], compiled[0], compiled[1], time.perf_counter() - began
-    )
+    state = _learner_shapes(setting, shapes)
+    with ThreadPoolExecutor(1) as pool:
+        traced = jax.jit(partial(_collect, setting)).trace(shapes.struct, state)
+        collector = pool.submit(lambda: traced.lower().compile())
+        learner = jax.jit(partial(update, setting)).lower(state, traced.out_info).compile()
+        return TrainingPrograms(collector.result(), learner, time.perf_counter() - began)
 
 
 @cache
 def _evaluation_programs(setting: Setting, shapes: _Shapes, rollouts: int) -> EvaluationPrograms:
     began = time.perf_counter()
-    initial = partial(_initial, setting, rollouts)
+    parameters = _learner_shapes(setting, shapes).parameters
+    states, schedules = _state_and_schedule(setting, rollouts)
     key = jax.eval_shape(lambda: jax.random.key(0))
-    parameters = jax.eval_shape(partial(_start, setting), shapes.struct, key).parameters
-    states = jax.eval_shape(initial, shapes.struct, key)
-    schedules = jax.ShapeDtypeStruct((rollouts, MAX_VARIABLES), jnp.int32)
-    compiled = _compile(
-        (partial(roll_out, setting), (shapes.struct, parameters, states, schedules)),
+    jobs = (
         (partial(choose_schedules, setting), (shapes.struct, parameters, key, states)),
-        (initial, (shapes.struct, key)),
+        (partial(roll_out, setting), (shapes.struct, parameters, states, schedules)),
+        (partial(_initial, setting, rollouts), (shapes.struct, key)),
     )
-    return EvaluationPrograms(
-        compiled[2], compiled[1], compiled[0], time.perf_counter() - began
-    )
+    with ThreadPoolExecutor(2) as pool:
+        compiled = pool.map(lambda job: jax.jit(job[0]).lower(*job[1]).compile(), jobs)
+        choose, roll, initial = compiled
+    return EvaluationPrograms(initial, choose, roll, time.perf_counter() - began)
 
 
 @cache
 def _scoring_program(setting: Setting, shapes: _Shapes, count: int) -> Callable:
-    key = jax.eval_shape(lambda: jax.random.key(0))
-    parameters = jax.eval_shape(partial(_start, setting), shapes.struct, key).parameters
-    state = jax.ShapeDtypeStruct((setting.robot.state_size,), jnp.float32)
-    schedules = jax.ShapeDtypeStruct((count, MAX_VARIABLES), jnp.int32)
-    return _compile((partial(_score, setting), (shapes.struct, parameters, state, schedules)))[0]
+    parameters = _learner_shapes(setting, shapes).parameters
+    (state, _), (_, schedules) = _state_and_schedule(setting), _state_and_schedule(setting, count)
+    score = jax.jit(partial(_score, setting))
+    return score.lower(shapes.struct, parameters, state, schedules).compile()
 
 
 def _initial(setting: Setting, count: int, problem: Problem, key: Array) -> Array:
     return initial_states(setting, problem, key, count)
-
-
-def _compile(*functions: tuple[Callable, tuple]) -> list[Any]:
-    """Compile functions for their arguments' shapes, two at a time."""
-    with ThreadPoolExecutor(2) as pool:
-        jobs = [
-            pool.submit(lambda f=f, a=a: jax.jit(f).lower(*a).compile()) for f, a in functions
-        ]
-        return [job.result() for job in jobs]

@@ -79,9 +79,7 @@ def ground_schedule(setting: Setting, problem: Problem, position: Array, schedul
 def begin(setting: Setting, problem: Problem, grounded: Grounded, state: Array, tau) -> View:
     """Episode of one schedule from a state [n] at step tau."""
     mode = setting.algorithm.mode
-    episode, sense = mode.begin(
-        setting.robot, setting.world, problem, grounded.windows, state, tau
-    )
+    episode, sense = mode.begin(setting.robot, setting.world, problem, grounded.windows, state, tau)
     return _view(setting, problem, grounded, episode, sense)
 
 
@@ -157,9 +155,7 @@ def feasible_schedules(setting: Setting, problem: Problem, key: Array, states: A
         ground = jax.vmap(ground_schedule, (None, None, 0, 0))
         return ground(setting, problem, repeated, schedules).shortfall
 
-    return travelable_schedules(
-        problem.formula, shortfall, key, count, algorithm.prune_candidates
-    )
+    return travelable_schedules(problem.formula, shortfall, key, count, algorithm.prune_candidates)
 
 
 def mixed_schedules(
@@ -223,9 +219,7 @@ def collect(
         setting, problem, parameters, chains, elite, schedule_key, states
     )
     positions = jax.vmap(setting.robot.position)(states)
-    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(
-        setting, problem, positions, schedules
-    )
+    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(setting, problem, positions, schedules)
     pool = _start_pool(setting, problem, grounded, pool_key, states)
     noise = jax.random.normal(noise_key, (steps, count, setting.robot.action_size))
     slots = jax.random.randint(slot_key, (steps, count), count, 2 * count)
@@ -325,9 +319,7 @@ def roll_out(
 ) -> Rollout:
     """Carry out schedules [R, V] from states [R, n] with the mean action."""
     positions = jax.vmap(setting.robot.position)(states)
-    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(
-        setting, problem, positions, schedules
-    )
+    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(setting, problem, positions, schedules)
     start = jax.vmap(begin, (None, None, 0, 0, None))(
         setting, problem, grounded, states, jnp.float32(0)
     )
@@ -342,9 +334,9 @@ def roll_out(
     _, (visited, actions) = jax.lax.scan(step, start, None, length=setting.steps)
     visited = jnp.concatenate([states[None], visited])
     flat = visited.reshape(-1, visited.shape[-1])
-    margins, _ = jax.vmap(lambda x: setting.world.margins(problem.world, setting.robot.position(x)))(
-        flat
-    )
+    margins, _ = jax.vmap(
+        lambda x: setting.world.margins(problem.world, setting.robot.position(x))
+    )(flat)
     return Rollout(visited, actions, margins.reshape(*visited.shape[:2], -1))
 
 

@@ -82,12 +82,12 @@ def metropolis_hastings(
     count, size = start.shape
     moves = jnp.array([sign * stride for stride in strides for sign in (-1, 1)], jnp.int32)
 
-    def propose(carry, inputs):
+    def propose(carry, inputs):  # step -1 only evaluates the start: one log_density is compiled
         schedule, density, best, best_density = carry
         step_key, index = inputs
         variable_key, move_key, accept_key = jax.random.split(step_key, 3)
         variable = jax.random.randint(variable_key, (count,), 0, jnp.maximum(formula.variables, 1))
-        move = jax.random.choice(move_key, moves, (count,))
+        move = jnp.where(index < 0, 0, jax.random.choice(move_key, moves, (count,)))
         proposal = schedule + jax.nn.one_hot(variable, size, dtype=jnp.int32) * move[:, None]
         inside = ((proposal >= formula.low) & (proposal <= formula.high)).all(-1)
         proposed = log_density(jnp.where(inside[:, None], proposal, schedule))
@@ -100,11 +100,11 @@ def metropolis_hastings(
         best_density = jnp.where(better, density, best_density)
         return (schedule, density, best, best_density), accept.mean()
 
-    density = log_density(start)
-    worst = jnp.full(count, -jnp.inf)
-    inputs = (jax.random.split(key, steps), jnp.arange(steps))
-    (last, _, best, _), accepted = jax.lax.scan(propose, (start, density, start, worst), inputs)
-    return Chains(last, best, accepted.mean())
+    unknown = jnp.full(count, -jnp.inf)
+    inputs = (jax.random.split(key, steps + 1), jnp.arange(-1, steps))
+    carry = (start, unknown, start, unknown)
+    (last, _, best, _), accepted = jax.lax.scan(propose, carry, inputs)
+    return Chains(last, best, accepted[1:].mean())
 
 
 def update_elite(elite: Elite, schedules: Array, scores: Array, decay: float) -> Elite:

@@ -64,7 +64,7 @@ class StudioMode:
         )
         return episode, sense
 
-    def advance(  # noqa: PLR0917
+    def advance(
         self,
         robot: Robot,
         world: World,
@@ -109,7 +109,7 @@ class StudioMode:
         """Whether every task held until everything was decided."""
         return (episode.alive > 0) & (episode.tau >= windows.last)
 
-    def policy_features(  # noqa: PLR0917
+    def policy_features(
         self, robot: Robot, problem: Problem, windows: Windows, episode: Episode, sense: Sense
     ) -> Array:
         """Task-agnostic features [f] in the robot's frame: 20 numbers and its own for d = 2."""
@@ -149,7 +149,7 @@ class StudioMode:
         framed = robot.to_frame(episode.state, vectors).reshape(-1)
         return jnp.concatenate([robot.observe(episode.state), framed, scalars])
 
-    def critic_features(  # noqa: PLR0917
+    def critic_features(
         self,
         problem: Problem,
         windows: Windows,
@@ -173,7 +173,7 @@ class StudioMode:
             ]
         )
 
-    def _sense(  # noqa: PLR0917
+    def _sense(
         self, robot: Robot, world: World, problem: Problem, windows: Windows, state: Array, tau
     ) -> Sense:
         position = robot.position(state)

@@ -18,7 +18,12 @@ from core.evaluation import Evaluation, evaluate, trace_robustness
 from core.learner import LearnerState
 from core.networks import Parameters
 from core.paper_mode import PaperMode
-from core.programs import TrainingPrograms, evaluation_programs, training_programs
+from core.programs import (
+    TrainingPrograms,
+    evaluation_programs,
+    fresh_learner,
+    training_programs,
+)
 from core.protocols import Array
 from core.rollout import Batch
 from core.task import Task
@@ -75,9 +80,7 @@ class Progress:
         return self.state.learner.parameters
 
 
-def train(
-    task: Task, config: TrainingConfig, resume: RunState | None = None
-) -> Iterator[Progress]:
+def train(task: Task, config: TrainingConfig, resume: RunState | None = None) -> Iterator[Progress]:
     """Train a policy; yields after every epoch.
 
     Args:
@@ -90,7 +93,7 @@ def train(
     programs = training_programs(task, algorithm)
     evaluators = evaluation_programs(task, algorithm)
     compile_seconds = programs.seconds + evaluators.seconds
-    state = resume if resume is not None else fresh_state(task, config, programs)
+    state = resume if resume is not None else fresh_state(task, config)
     began = time.perf_counter() - float(state.seconds)
     while not _done(state, config, began):
         epoch = int(state.epoch) + 1
@@ -113,9 +116,9 @@ def train(
         )
 
 
-def fresh_state(task: Task, config: TrainingConfig, programs: TrainingPrograms) -> RunState:
+def fresh_state(task: Task, config: TrainingConfig) -> RunState:
     """State before the first epoch."""
-    learner = programs.start(task.problem, jax.random.key(config.seed))
+    learner = fresh_learner(task, config.algorithm, config.seed)
     return RunState(
         learner,
         learner.parameters,
@@ -174,9 +177,7 @@ def _after(
     epoch: int,
     seconds: float,
 ) -> RunState:
-    state = state._replace(
-        learner=learner, epoch=jnp.int32(epoch), seconds=jnp.float32(seconds)
-    )
+    state = state._replace(learner=learner, epoch=jnp.int32(epoch), seconds=jnp.float32(seconds))
     if evaluation is None:
         return state
     score = (evaluation.success_rate, evaluation.robustness_mean)

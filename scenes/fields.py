@@ -34,7 +34,8 @@ class Grid:
 
     def nodes(self) -> np.ndarray:
         """Positions of all nodes [prod(shape), d] in [m], last axis fastest."""
-        axes = [o + self.spacing * np.arange(n) for o, n in zip(self.origin, self.shape)]
+        ends = zip(self.origin, self.shape, strict=True)
+        axes = [low + self.spacing * np.arange(count) for low, count in ends]
         return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, self.dimension)
 
 
@@ -59,7 +60,7 @@ def geodesic_field(
     speed = np.where(blocked, BLOCKED_SPEED, 1.0)
     distance = np.asarray(skfmm.travel_time(phi, speed, dx=grid.spacing))
     distance = np.where(phi <= 0, 0.0, distance)
-    slope = np.stack(np.gradient(distance, grid.spacing), -1)
+    slope = np.stack(list(np.gradient(distance, grid.spacing)), -1)
     slope = slope / (np.linalg.norm(slope, axis=-1, keepdims=True) + 1e-6)
     return np.concatenate([distance[..., None], -slope], -1).astype(np.float32)
 

@@ -87,7 +87,7 @@ def world_arrays(scene: Scene, capacity: int, fields: np.ndarray) -> WorldArrays
         fields,
         center - half,
         center + half,
-        np.float32(initial.kind in ("circle", "sphere")),
+        np.asarray(initial.kind in ("circle", "sphere"), np.float32),
     )
 
 
@@ -122,10 +122,7 @@ def goal_geometry(
     obstacle_margin = {o: value(o) for combination in obstacles for o in combination}
     blocked = [_blocked([obstacle_margin[o] for o in group], len(nodes)) for group in obstacles]
     fields = np.stack(
-        [
-            [_field(grid, margin, ~(margin > 0) & b) for b in blocked]
-            for margin in goal_margin
-        ]
+        [[_field(grid, margin, ~(margin > 0) & b) for b in blocked] for margin in goal_margin]
     )
     random = np.random.default_rng(scene.seed)
     for goal, margin in zip(goals, goal_margin, strict=True):

@@ -42,9 +42,7 @@ def build_task(scene: Scene, formula: str | None = None) -> Task:
     goals = [task.predicate for task in grounding.subgoals]
     constraints = [task.predicate for task in grounding.constraints]
     obstacles = [[constraints[i] for i in group] for group in grounding.closed_sets()]
-    geometry = (
-        goal_geometry(world, scene, goals, obstacles, SAMPLES_INSIDE) if goals else None
-    )
+    geometry = goal_geometry(world, scene, goals, obstacles, SAMPLES_INSIDE) if goals else None
     return Task(scene.name, robot, world, grounding, _problem(scene, world, grounding, geometry))
 
 
@@ -65,7 +63,5 @@ def _problem(
     flat = fields.reshape(MAX_SUBGOALS * COMBINATIONS, *shape, 1 + dimension)
     data = world_arrays(scene, MAX_ATOMS, flat)
     return to_device(
-        Problem(
-            grounding.arrays, data, jnp.asarray(inside), jnp.asarray(center), jnp.asarray(legs)
-        )
+        Problem(grounding.arrays, data, jnp.asarray(inside), jnp.asarray(center), jnp.asarray(legs))
     )
