@@ -1,0 +1,260 @@
+"""Checkpoints: a pytree of arrays in one safetensors file, written atomically.
+
+safetensors rather than orbax: a checkpoint here is a few hundred kilobytes of arrays on one
+machine, so one small file that appears by a rename needs no background machinery, no folder
+protocol and no further dependency, and the same format holds the weights of policy bundles.
+
+A file is written beside its destination, flushed to the disk and renamed over it: whoever is
+killed, or meets a full disk, leaves the previous file and at most a temporary one, which the next
+save removes. A JSON header names the kind of the file, its version and the type of each random
+key (typed keys are kept as their key data); names, shapes and types of all arrays are checked
+against the pytree that the reader expects.
+"""
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from safetensors import SafetensorError, safe_open
+from safetensors.numpy import save
+
+from core.errors import UserError
+
+VERSION = 1
+"""Version of the files that this program reads and writes."""
+
+_HEADER = "tgpo-studio"
+_TEMPORARY = ".tmp"
+_CHECKPOINT = "epoch-*.safetensors"
+
+Tree = TypeVar("Tree")
+
+
+class CheckpointError(UserError):
+    """A checkpoint that cannot be written, read or used."""
+
+
+class DivergedError(UserError):
+    """Weights that are no longer finite numbers."""
+
+
+class Loaded(NamedTuple):
+    """A restored pytree, its file, and why newer files were passed over."""
+
+    tree: Any
+    path: Path
+    skipped: tuple[str, ...]
+
+
+def save_checkpoint(folder: Path, tree: Any, epoch: int, *, keep: int = 2) -> Path:
+    """Write the checkpoint of an epoch, then remove all but the last `keep`.
+
+    Raises:
+        CheckpointError: the disk is full or cannot be written; the previous checkpoints stay.
+    """
+    path = folder / _CHECKPOINT.replace("*", f"{epoch:07d}")
+    with _explained(path, "written"):
+        folder.mkdir(parents=True, exist_ok=True)
+        remove_leftovers(folder)
+    save_tree(path, tree, kind="checkpoint")
+    for old in checkpoints(folder)[keep:]:
+        with suppress(OSError):
+            old.unlink()
+    return path
+
+
+def load_checkpoint(folder: Path, like: Any) -> Loaded | None:
+    """The newest checkpoint that can be read, None if there is none at all.
+
+    Raises:
+        CheckpointError: there are checkpoints, but none can be read.
+    """
+    problems: list[CheckpointError] = []
+    for path in checkpoints(folder):
+        try:
+            tree = load_tree(path, like, kind="checkpoint")
+        except CheckpointError as error:
+            problems.append(error)
+            continue
+        return Loaded(tree, path, tuple(str(problem) for problem in problems))
+    if problems:
+        raise problems[0]
+    return None
+
+
+def checkpoints(folder: Path) -> list[Path]:
+    """Checkpoint files of a folder, newest first."""
+    return sorted(folder.glob(_CHECKPOINT), reverse=True)
+
+
+def save_tree(path: Path, tree: Any, *, kind: str) -> None:
+    """Write a pytree of arrays atomically.
+
+    Args:
+        path: the file.
+        tree: arrays of any type that safetensors knows, and typed random keys.
+        kind: what the file is, `checkpoint` for instance; the reader must ask for the same.
+
+    Raises:
+        CheckpointError: the disk is full or cannot be written; an earlier file stays.
+    """
+    arrays, keys = {}, {}
+    for name, leaf in _named_leaves(tree).items():
+        if _is_key(leaf):
+            keys[name] = str(jax.random.key_impl(leaf))
+            leaf = jax.random.key_data(leaf)  # noqa: PLW2901
+        arrays[name] = np.array(leaf, order="C")  # ascontiguousarray would add an axis to scalars
+    header = {"kind": kind, "version": VERSION, "keys": keys}
+    with _explained(path, "written"):
+        write_atomically(path, save(arrays, {_HEADER: json.dumps(header)}))
+
+
+def load_tree(path: Path, like: Tree, *, kind: str) -> Tree:
+    """Read a pytree of the structure, shapes and types of `like` (arrays or their shapes).
+
+    Raises:
+        CheckpointError: no such file, a truncated or foreign one, another kind or version, or
+            arrays that do not fit.
+    """
+    arrays, header = _read(path)
+    _check_header(path, header, kind)
+    expected = _named_leaves(like)
+    for name in sorted(set(expected) - set(arrays)):
+        raise CheckpointError(f"{path}: the array {name!r} is missing; it does not fit this task")
+    for name in sorted(set(arrays) - set(expected)):
+        raise CheckpointError(f"{path}: unexpected array {name!r}; it does not fit this task")
+    leaves = [_restored(path, name, arrays[name], header, leaf) for name, leaf in expected.items()]
+    return jax.tree.unflatten(jax.tree.structure(like), leaves)
+
+
+def require_finite(parameters: Any, what: str) -> None:
+    """Refuse weights with NaN or infinite entries.
+
+    Raises:
+        DivergedError: with the name of the first array at fault.
+    """
+    for name, leaf in _named_leaves(parameters).items():
+        if not np.isfinite(np.asarray(leaf)).all():
+            raise DivergedError(
+                f"{what}: the weights {name!r} are no longer finite; the training has diverged. "
+                "Try another seed"
+            )
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Replace a file: a reader sees the old content or the new, never a part.
+
+    Raises:
+        OSError: as from the file system; the old file is untouched.
+    """
+    handle, temporary = tempfile.mkstemp(_TEMPORARY, f".{path.name}.", path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        with suppress(OSError):
+            os.unlink(temporary)
+        raise
+    _sync_folder(path.parent)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove temporary files of writers that were killed."""
+    for leftover in folder.glob(f".*{_TEMPORARY}"):
+        with suppress(OSError):
+            leftover.unlink()
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make a rename durable, where folders can be flushed (not on Windows)."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+@contextmanager
+def _explained(path: Path, verb: str) -> Iterator[None]:
+    """Turn an OSError into a CheckpointError that names the file and the reason."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise CheckpointError(f"{path}: cannot be {verb}: {reason}") from error
+
+
+def _read(path: Path) -> tuple[dict[str, np.ndarray], Any]:
+    """Arrays and header of a file."""
+    with _explained(path, "read"):
+        try:
+            with path.open("rb"):  # safetensors reports a missing file without its reason
+                pass
+            with safe_open(path, framework="np") as file:
+                metadata = file.metadata() or {}
+                arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        except (SafetensorError, TypeError, ValueError, KeyError) as error:
+            raise CheckpointError(
+                f"{path}: not a complete safetensors file ({error}); it was cut off or is of "
+                "another kind"
+            ) from error
+    try:
+        return arrays, json.loads(metadata.get(_HEADER, "null"))
+    except json.JSONDecodeError as error:
+        raise CheckpointError(f"{path}: its header is not valid JSON: {error}") from error
+
+
+def _check_header(path: Path, header: Any, kind: str) -> None:
+    if not isinstance(header, dict) or not isinstance(header.get("keys"), dict):
+        raise CheckpointError(f"{path}: not written by this program (its header is missing)")
+    if header.get("version") != VERSION:
+        raise CheckpointError(
+            f"{path}: version {header.get('version')!r} is not known; this program reads "
+            f"version {VERSION}"
+        )
+    if header.get("kind") != kind:
+        raise CheckpointError(f"{path}: is a {header.get('kind')!r} file, not a {kind!r} file")
+
+
+def _restored(path: Path, name: str, array: np.ndarray, header: dict, leaf: Any) -> jax.Array:
+    """One array, checked against the leaf that is expected in its place."""
+    wanted = jax.eval_shape(jax.random.key_data, leaf) if _is_key(leaf) else leaf
+    if array.shape != wanted.shape or array.dtype != wanted.dtype:
+        raise CheckpointError(
+            f"{path}: {name!r} is {array.dtype}{list(array.shape)}, expected "
+            f"{wanted.dtype}{list(wanted.shape)}; it does not fit this task"
+        )
+    if not _is_key(leaf):
+        return jnp.asarray(array)
+    kind = header["keys"].get(name)
+    try:
+        key = jax.random.wrap_key_data(jnp.asarray(array), impl=kind)
+    except (TypeError, ValueError) as error:
+        raise CheckpointError(
+            f"{path}: {name!r} is a random key of unknown type {kind!r}"
+        ) from error
+    if key.dtype != leaf.dtype:
+        raise CheckpointError(f"{path}: {name!r} is a {key.dtype}, expected a {leaf.dtype}")
+    return key
+
+
+def _named_leaves(tree: Any) -> dict[str, Any]:
+    """Leaves of a pytree by their path, such as `learner/parameters/log_std`."""
+    leaves, _ = jax.tree_util.tree_flatten_with_path(tree)
+    return {jax.tree_util.keystr(path, simple=True, separator="/"): leaf for path, leaf in leaves}
+
+
+def _is_key(leaf: Any) -> bool:
+    return jnp.issubdtype(leaf.dtype, jax.dtypes.prng_key)
