@@ -13,7 +13,6 @@ cylinder   3  (radius, half_height), axis along z
 =========  =  ==================================
 """
 
-import math
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -74,7 +73,7 @@ class Region:
 
     def __post_init__(self):
         check_name(self.name)
-        if self.kind not in SHAPES:
+        if not isinstance(self.kind, str) or self.kind not in SHAPES:
             raise SceneError(f"kind: unknown {self.kind!r}. {allowed(self.kind, SHAPES)}")
         shape = SHAPES[self.kind]
         axes = ("x", "y", "z")[: shape.dimension]
@@ -126,8 +125,9 @@ def _numbers(field: str, values: object, names: tuple[str, ...], kind: str) -> t
     for value in values:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise SceneError(f"{field}: {value!r} is not a number; {expected}")
-        if not math.isfinite(value) or abs(value) > LARGEST_COORDINATE:
+        if not abs(value) <= LARGEST_COORDINATE:  # NaN compares false
+            given = repr(value) if isinstance(value, float) else "a number"
             raise SceneError(
-                f"{field}: {value!r} must be finite and at most {LARGEST_COORDINATE:g} m"
+                f"{field}: {given} must be finite and at most {LARGEST_COORDINATE:g} m"
             )
     return tuple(float(value) for value in values)

@@ -67,7 +67,7 @@ class Scene:
     def __post_init__(self):
         for field, longest in (("name", 80), ("title", 200), ("formula", LONGEST_FORMULA)):
             _check_text(field, getattr(self, field), longest)
-        if self.robot not in WORKSPACE_DIMENSION:
+        if not isinstance(self.robot, str) or self.robot not in WORKSPACE_DIMENSION:
             hint = allowed(self.robot, WORKSPACE_DIMENSION)
             raise SceneError(f"robot: unknown {self.robot!r}. {hint}")
         _check_integer("horizon", self.horizon, 1, LARGEST_HORIZON)
@@ -155,9 +155,11 @@ def load_task(name: str) -> Scene:
 def parse_scene(text: str, where: str) -> Scene:
     """Build a scene from TOML text; `where` names the source in errors."""
     try:
-        return _scene_from(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
+        table = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also integers of thousands of digits
         raise SceneError(f"{where}: not valid TOML: {error}") from error
+    try:
+        return _scene_from(table)
     except SceneError as error:
         raise SceneError(f"{where}: {error}") from error
 

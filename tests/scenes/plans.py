@@ -1,0 +1,110 @@
+"""One good order of visits for each of the ten formulas, written down by hand.
+
+The formulas are the same for all robots. A plan gives, for the latest choice of the outer
+variable (t1 = 7 or 10 in STL-01..05), when each visit may begin and how long it must last.
+"""
+
+from dataclasses import dataclass, field
+
+from scenes import Scene
+from tests.scenes.geometry import at, distance_from
+
+WALLS = {"B1", "B2", "B3", "B4"}
+
+
+@dataclass(frozen=True)
+class Visit:
+    """Enter `region` in base + [low, high] and stay; `doors` are closed on the way to it."""
+
+    region: str
+    low: int
+    high: int
+    stay: int = 0
+    base: int | None = None  # index of the visit from whose entry the window counts
+    doors: frozenset[str] = field(default=frozenset())
+
+
+def _keys() -> list[Visit]:
+    return [
+        Visit("K1", 0, 100, doors=frozenset({"D1", "D2", "D3"})),
+        Visit("K2", 0, 100, doors=frozenset({"D2", "D3"})),
+        Visit("K3", 0, 100, doors=frozenset({"D3"})),
+        Visit("G", 80, 90, stay=5),
+    ]
+
+
+PLANS: dict[int, list[Visit]] = {
+    1: [Visit("A", 57, 92)],
+    2: [Visit("A", 10, 60), Visit("C", 70, 70, stay=20)],
+    3: [Visit("A", 10, 60), Visit("C", 50, 70), Visit("D", 80, 80, stay=10)],
+    4: [
+        Visit("A", 10, 60),
+        Visit("C", 50, 60),
+        Visit("D", 60, 60, stay=10),
+        Visit("F", 80, 90),
+    ],
+    5: [
+        Visit("A", 10, 40),
+        Visit("C", 40, 60),
+        Visit("D", 60, 60, stay=10),
+        Visit("F", 80, 90),
+        Visit("H", 85, 98),
+    ],
+    6: [Visit("A", 10, 90)],
+    7: [Visit("A1", 0, 90), Visit("A2", 40, 80)],
+    8: [Visit("A1", 0, 90), Visit("A2", 40, 80), Visit("A3", 10, 20, stay=10, base=1)],
+    9: [
+        Visit("A1", 5, 20),
+        Visit("A2", 10, 20, stay=5, base=0),
+        Visit("A3", 10, 30, stay=5, base=1),
+        Visit("A4", 10, 30, stay=10, base=1),
+    ],
+    10: _keys(),
+}
+
+
+def number(scene: Scene) -> int:
+    """The number of a shipped task: 8 for `linear-08`."""
+    return int(scene.name.rsplit("-", 1)[1])
+
+
+def obstacles(scene: Scene) -> set[str]:
+    """Regions that the formula forbids throughout: those that no plan visits or opens."""
+    plan = PLANS[number(scene)]
+    visited = {visit.region for visit in plan}.union(*(visit.doors for visit in plan))
+    return set(scene.region_names) - visited
+
+
+def leg_lengths(scene: Scene, start, clearance: float) -> list[float]:
+    """Lengths in [m] of the shortest ways start -> first center -> second center and so on."""
+    lengths, place = [], start
+    for visit in PLANS[number(scene)]:
+        field = distance_from(scene, visit.region, obstacles(scene) | visit.doors, clearance)
+        lengths.append(at(field, place))
+        place = scene.regions[scene.region_names.index(visit.region)].center
+    return lengths
+
+
+def needed_speed(scene: Scene, lengths: list[float]) -> float:
+    """Least constant speed in [m/step] at which the plan keeps all its deadlines."""
+    low, high = 0.0, 20.0
+    for _ in range(30):
+        middle = (low + high) / 2
+        if _feasible(PLANS[number(scene)], lengths, middle):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def _feasible(plan: list[Visit], lengths: list[float], speed: float) -> bool:
+    entries: list[float] = []
+    free = 0.0
+    for visit, length in zip(plan, lengths, strict=True):
+        base = 0.0 if visit.base is None else entries[visit.base]
+        entry = max(base + visit.low, free + length / speed)
+        if entry > base + visit.high:
+            return False
+        entries.append(entry)
+        free = entry + visit.stay
+    return True
