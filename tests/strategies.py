@@ -85,6 +85,20 @@ def formulas(
     return strategy
 
 
+def nested_formulas(
+    max_depth: int = 4,
+    atoms: Sequence[str] = ATOMS,
+    max_bound: int = 4,
+    *,
+    constants: bool = True,
+) -> st.SearchStrategy[Formula]:
+    """Formulas with a temporal operator within another, `max_depth` >= 3 operators deep."""
+    innermost = formulas(max_depth - 3, atoms, max_bound, constants=constants)
+    inner = temporal_operators(innermost, max_bound)
+    mixed = boolean_operators(inner | leaves(atoms, constants=constants))
+    return temporal_operators(inner | mixed, max_bound)
+
+
 def traces(
     length: int, atoms: Sequence[str] = ATOMS, *, batch: tuple[int, ...] = (), ties: bool = True
 ) -> st.SearchStrategy[np.ndarray]:

@@ -35,7 +35,7 @@ from core.stl import (
     robustness_signal,
     satisfied,
 )
-from tests.strategies import formulas, traces
+from tests.strategies import formulas, nested_formulas, traces
 
 NAMES = ("F", "G", "H")
 SLOW = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -107,7 +107,11 @@ def _stljax_chain(node, operands):
 
 
 @settings(SLOW, max_examples=400)
-@given(formulas(max_depth=3, atoms=NAMES, max_bound=5, constants=False), st.data())
+@given(
+    formulas(max_depth=3, atoms=NAMES, max_bound=5, constants=False)
+    | nested_formulas(max_depth=4, atoms=NAMES, max_bound=5, constants=False),
+    st.data(),
+)
 def test_against_rtamt(formula, data):
     trace = data.draw(traces(horizon(formula) + 2 + data.draw(st.integers(0, 3)), NAMES))
     values = robustness_signal(formula, trace, NAMES)
@@ -120,7 +124,8 @@ STLJAX_STEPS = 10
 
 @settings(SLOW, max_examples=120)
 @given(
-    formulas(max_depth=2, atoms=NAMES, max_bound=3, constants=False),
+    formulas(max_depth=2, atoms=NAMES, max_bound=3, constants=False)
+    | nested_formulas(max_depth=3, atoms=NAMES, max_bound=3, constants=False),
     traces(STLJAX_STEPS, NAMES, batch=(4,), ties=False),
 )
 def test_against_stljax(formula, margins):
@@ -133,9 +138,9 @@ def test_against_stljax(formula, margins):
     np.testing.assert_array_equal(satisfied(formula, margins, NAMES), oracle[:, 0] > 0)
 
 
-@settings(SLOW, max_examples=20)
+@settings(SLOW, max_examples=15)
 @given(
-    formulas(max_depth=2, atoms=NAMES, max_bound=3, constants=False),
+    nested_formulas(max_depth=3, atoms=NAMES, max_bound=3, constants=False),
     traces(STLJAX_STEPS, NAMES, batch=(4,)),
 )
 def test_jax_against_rtamt(formula, margins):

@@ -20,7 +20,7 @@ from core.stl import (
     satisfied,
 )
 from tests.core.stl.reference import reference_robustness, reference_satisfied
-from tests.strategies import ATOMS, formulas, traces
+from tests.strategies import ATOMS, formulas, nested_formulas, traces
 
 # One of each kind of operator and window: single steps, offsets, blocks cut at either end.
 FORMULAS = [
@@ -35,7 +35,7 @@ FORMULAS = [
 
 
 @settings(deadline=None, max_examples=300)
-@given(formulas(max_depth=3, max_bound=3), st.data())
+@given(formulas(max_depth=3, max_bound=3) | nested_formulas(max_depth=3, max_bound=3), st.data())
 def test_robustness_is_what_the_definition_says(formula, data):
     length = horizon(formula) + 1 + data.draw(st.integers(0, 3))
     margins = data.draw(traces(length, batch=(2,)))
@@ -47,7 +47,7 @@ def test_robustness_is_what_the_definition_says(formula, data):
 
 
 @settings(deadline=None, max_examples=200)
-@given(formulas(max_depth=3, max_bound=3), st.data())
+@given(formulas(max_depth=3, max_bound=3) | nested_formulas(max_depth=3, max_bound=3), st.data())
 def test_a_trace_satisfies_a_formula_iff_its_robustness_is_not_negative(formula, data):
     margins = data.draw(traces(horizon(formula) + 1, batch=(2,), ties=False))
     verdicts = satisfied(formula, margins, ATOMS)
