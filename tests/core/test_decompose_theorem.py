@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from core.decompose import decompose
 from core.stl import Formula, horizon
-from tests.core.decomposition_oracle import (
+from tests.core.decompose_oracle import (
     all_schedules,
     best_value,
     brute_robustness,

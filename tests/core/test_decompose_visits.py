@@ -7,7 +7,7 @@ import pytest
 
 from core.decompose import decompose, enough_visits, least_visits
 from core.stl import Always, Atom, Eventually, Formula, Interval
-from tests.core.decomposition_oracle import all_schedules
+from tests.core.decompose_oracle import all_schedules
 
 SIZES = [(length, width) for length in range(8) for width in range(1, 5) if length + width <= 9]
 

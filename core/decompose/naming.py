@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import count
 
-from core.decomposition.model import TreeNode, Variable
+from core.decompose.model import TreeNode, Variable
 from core.stl import Formula, atom_names
 
 Names = tuple[tuple[str, Formula], ...]

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from core.decomposition.model import Decomposition, Guards, Kind, TreeNode, Variable
+from core.decompose.model import Decomposition, Guards, Kind, TreeNode, Variable
 from core.stl import to_text as formula_text
 
 

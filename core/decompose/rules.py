@@ -29,8 +29,8 @@ predicate in the window (for G(F) only with enough visits; never more otherwise)
 from dataclasses import replace
 from typing import Literal
 
-from core.decomposition.grouping import flat, grouped
-from core.decomposition.model import (
+from core.decompose.grouping import flat, grouped
+from core.decompose.model import (
     Decomposition,
     DecompositionError,
     Guards,
@@ -41,9 +41,9 @@ from core.decomposition.model import (
     TreeNode,
     Variable,
 )
-from core.decomposition.naming import name_nodes
-from core.decomposition.refusal import refusal
-from core.decomposition.visits import chain_of_visits, enough_visits, least_visits
+from core.decompose.naming import name_nodes
+from core.decompose.refusal import refusal
+from core.decompose.visits import chain_of_visits, enough_visits, least_visits
 from core.errors import UserError
 from core.stl import (
     Always,
