@@ -10,9 +10,10 @@ import jax.numpy as jnp
 import optax
 
 from core.algorithm import Algorithm
+from core.collection import Batch
 from core.networks import Networks, Parameters
 from core.protocols import Array
-from core.rollout import Batch, Setting
+from core.rollout import Setting
 from core.sampler import Elite, update_elite
 
 

@@ -5,8 +5,10 @@ stopped the training. Epochs are deterministic in the seed, whenever the caller 
 """
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cache
 from typing import NamedTuple
 
 import jax
@@ -14,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.algorithm import Algorithm
+from core.collection import Batch
 from core.evaluation import Evaluation, evaluate, trace_robustness
 from core.learner import LearnerState
 from core.networks import Parameters
@@ -24,8 +27,7 @@ from core.programs import (
     fresh_learner,
     training_programs,
 )
-from core.protocols import Array
-from core.rollout import Batch
+from core.protocols import Array, World
 from core.task import Task
 
 
@@ -90,9 +92,12 @@ def train(task: Task, config: TrainingConfig, resume: RunState | None = None) ->
             the uninterrupted run would have given.
     """
     algorithm = config.algorithm
-    programs = training_programs(task, algorithm)
-    evaluators = evaluation_programs(task, algorithm)
-    compile_seconds = programs.seconds + evaluators.seconds
+    compiling = time.perf_counter()
+    with ThreadPoolExecutor(1) as pool:
+        evaluators_job = pool.submit(evaluation_programs, task, algorithm)
+        programs = training_programs(task, algorithm)
+        evaluators = evaluators_job.result()
+    compile_seconds = time.perf_counter() - compiling
     state = resume if resume is not None else fresh_state(task, config)
     began = time.perf_counter() - float(state.seconds)
     while not _done(state, config, began):
@@ -165,7 +170,9 @@ def _margins(task: Task, positions: Array) -> np.ndarray:
     return np.asarray(margins).reshape(*positions.shape[:2], -1)
 
 
-def _batch_margins(world):
+@cache
+def _batch_margins(world: World) -> Callable:
+    """Margins [B, A] of positions [B, d]; compiled once for each number of positions."""
     return jax.jit(lambda data, flat: jax.vmap(lambda p: world.margins(data, p)[0])(flat))
 
 

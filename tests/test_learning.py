@@ -103,7 +103,8 @@ def test_same_seed_same_weights_other_seed_others():
     assert not all(np.array_equal(a, b) for a, b in zip(first, other, strict=True))
 
 
-def test_nothing_compiles_for_another_formula_scene_or_seed():
+@pytest.mark.parametrize("mode", ["studio", "paper"])
+def test_nothing_compiles_for_another_formula_scene_or_seed(mode):
     compiled = []
 
     def listen(event, duration, **_):
@@ -111,7 +112,8 @@ def test_nothing_compiles_for_another_formula_scene_or_seed():
         if "backend_compile" in event:
             compiled.append(event)
 
-    config = TrainingConfig(SMALL, epochs=1, evaluate_every=1)
+    small = replace(SMALL, mode=make_algorithm(mode, "tgpo-star", "linear").mode)
+    config = TrainingConfig(small, epochs=2, evaluate_every=1)
     list(train(build_task(load_task("linear-02")), config))
     jax.monitoring.register_event_duration_secs_listener(listen)
     try:

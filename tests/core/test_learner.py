@@ -11,7 +11,7 @@ import pytest
 from core.algorithm import Algorithm
 from core.learner import advantages, update
 from core.programs import fresh_learner, setting_of
-from core.rollout import collect
+from core.collection import collect
 from tests.core.toy import toy_task
 
 
