@@ -212,5 +212,5 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
 @pytest.mark.parametrize("bad", [jnp.nan, jnp.inf])
 def test_weights_that_are_not_finite_are_named(bad):
     require_finite({"a": jnp.ones(3)}, "epoch 7")
-    with pytest.raises(DivergedError, match="epoch 7: the weights 'actor/b'"):
+    with pytest.raises(DivergedError, match="epoch 7: the weights 'actor/b' hold numbers"):
         require_finite({"a": jnp.ones(3), "actor": {"b": jnp.array([0.0, bad])}}, "epoch 7")

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from core.algorithm import Algorithm
+from core.collection import collect
 from core.learner import advantages, update
 from core.programs import fresh_learner, setting_of
-from core.collection import collect
 from tests.core.toy import toy_task
 
 
