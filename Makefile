@@ -1,0 +1,45 @@
+# Two commands do everything: `make studio` and `make test`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+.PHONY: studio test lint types unit browser benchmark clean
+
+studio: $(VENV)/.installed
+	$(BIN)/tgpo-studio $(ARGS)
+
+test: $(VENV)/.installed-dev lint types unit
+
+lint: $(VENV)/.installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(VENV)/.installed-dev
+	$(BIN)/pyright
+
+unit: $(VENV)/.installed-dev browser
+	$(BIN)/pytest $(ARGS)
+
+browser: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.tools.browser
+
+benchmark: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.tools.benchmark $(ARGS)
+
+$(VENV)/.installed: pyproject.toml requirements.lock | $(VENV)
+	$(BIN)/pip install --quiet --constraint requirements.lock --editable .
+	touch $@
+
+$(VENV)/.installed-dev: pyproject.toml requirements.lock | $(VENV)
+	$(BIN)/pip install --quiet --constraint requirements.lock --editable '.[dev]'
+	touch $@ $(VENV)/.installed
+
+# Debian keeps venv in a package of its own.
+$(VENV):
+	$(PYTHON) -m venv $@ || { rm -rf $@; test "$$(id -u)" = 0 && apt-get update -qq && \
+	  apt-get install -y -qq python3-venv && $(PYTHON) -m venv $@; } || \
+	  { rm -rf $@; echo "Python's venv module is missing: apt install python3-venv" >&2; exit 1; }
+	$(BIN)/pip install --quiet --upgrade pip
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .ruff_cache .hypothesis test-results
