@@ -1,0 +1,203 @@
+"""Questions to the networks while they learn: the heatmap, and rollouts of chosen schedules.
+
+One thread, apart from the training's. It answers with the latest weights; a rollout goes before
+the next heatmap. All that it shares is replaced as a whole, never changed.
+"""
+
+import threading
+import time
+import traceback
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from core.algorithm import Algorithm
+from core.grounding import MAX_VARIABLES
+from core.heatmap import Heatmap, heatmap
+from core.networks import Parameters
+from core.programs import EvaluationPrograms, evaluation_programs
+from core.protocols import Array
+from core.task import Task
+from studio.recording import Recording, record
+from studio.worker import Training
+
+ROLLOUTS = 8
+"""Rollouts of the compiled program. A click needs one; the critic's choice is the best of 8."""
+
+PERIOD = 0.4
+"""Least time between the starts of two heatmaps [s]."""
+
+
+class Subject(NamedTuple):
+    """Whom is asked: the weights after an epoch of training on a task."""
+
+    task: Task
+    algorithm: Algorithm
+    epoch: int
+    parameters: Parameters
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A heatmap and the schedule that the critic prefers."""
+
+    subject: Subject
+    heatmap: Heatmap
+    choice: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Request:
+    """A schedule to roll out; None for the critic's choice."""
+
+    schedule: tuple[int, ...] | None
+
+
+class Analyst:
+    """Read `picture`, `recording` and `error`; ask with `ask`."""
+
+    def __init__(self) -> None:
+        self.picture: Picture | None = None
+        self.recording: Recording | None = None
+        self.error = ""
+        self.axes: tuple[int, ...] = ()
+        self._subject: Subject | None = None
+        self._request: _Request | None = None
+        self._closed = False
+        self._wake = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="analyst", daemon=True)
+        self._thread.start()
+
+    @property
+    def busy(self) -> bool:
+        """Whether a rollout was asked for and is not there yet."""
+        return self._request is not None
+
+    def observe(self, training: Training) -> None:
+        """Ask the weights of this training from now on, once it has any."""
+        task, config, parameters = training.task, training.config, training.parameters
+        if task is None or config is None or parameters is None:
+            return
+        known = self._subject
+        if known is not None and known.parameters is parameters:
+            return
+        if known is None or known.task is not task:
+            self.axes = default_axes(task)
+        self._subject = Subject(task, config.algorithm, training.epoch, parameters)
+        self._wake.set()
+
+    def choose_axes(self, axes: tuple[int, ...]) -> None:
+        """Draw the next heatmap over these variables."""
+        self.axes = axes
+        self._wake.set()
+
+    def ask(self, schedule: tuple[int, ...] | None = None) -> None:
+        """Roll out a schedule, or the critic's choice; the latest request counts."""
+        if self._subject is not None:
+            self._request = _Request(schedule)
+            self._wake.set()
+
+    def forget(self) -> None:
+        """Drop the subject and all answers."""
+        self._subject = self._request = None
+        self.picture = self.recording = None
+        self.error, self.axes = "", ()
+
+    def close(self) -> None:
+        """End the thread, waiting for the answer that is being worked out."""
+        self._closed = True
+        self._wake.set()
+        self._thread.join(timeout=5)
+
+    def _work(self) -> None:
+        drawn, due = (None, ()), 0.0
+        while not self._closed:
+            self._wake.wait(timeout=max(0.1, due - time.monotonic()))
+            self._wake.clear()
+            subject, axes, request = self._subject, self.axes, self._request
+            try:
+                if subject is not None and request is not None:
+                    self._answer(subject, request)
+                elif subject is not None and time.monotonic() >= due:
+                    if subject is not drawn[0] or axes != drawn[1]:
+                        drawn, due = (subject, axes), time.monotonic() + PERIOD
+                        self.picture = _draw(subject, axes)
+                        self.error = ""
+            except Exception as error:  # noqa: BLE001 - the page shows it and lives on
+                traceback.print_exc()
+                self.error = f"{type(error).__name__}: {error}"
+                self._request = None
+
+    def _answer(self, subject: Subject, request: _Request) -> None:
+        """Roll out, unless a newer request has come meanwhile."""
+        programs = _programs(subject)
+        state = initial_state(subject.task)
+        schedule = request.schedule
+        if schedule is None:
+            schedule = _choice(subject, programs, state)
+        padded = _padded(schedule)
+        rollout = programs.roll_out(
+            subject.task.problem,
+            subject.parameters,
+            _repeated(state),
+            _repeated(jnp.asarray(padded)),
+        )
+        states, margins = np.asarray(rollout.states)[:, 0], np.asarray(rollout.margins)[:, 0]
+        self.recording = record(subject.task, schedule, states, margins)
+        if self._request is request:
+            self._request = None
+        self.error = ""
+
+
+def default_axes(task: Task) -> tuple[int, ...]:
+    """The first two time variables."""
+    return time_variables(task)[:2]
+
+
+def time_variables(task: Task) -> tuple[int, ...]:
+    """Indices of the variables that are times (the others choose branches)."""
+    variables = task.grounding.decomposition.variables
+    return tuple(i for i, variable in enumerate(variables) if variable.kind == "time")
+
+
+def initial_state(task: Task) -> Array:
+    """At rest in the centre of the initial set [n]."""
+    data = task.problem.world
+    center = (data.initial_low + data.initial_high) / 2
+    return task.robot.rest(jax.random.key(0), jnp.asarray(center))
+
+
+def _draw(subject: Subject, axes: tuple[int, ...]) -> Picture:
+    """The heatmap over two variables, the others as the critic likes them best."""
+    state = initial_state(subject.task)
+    choice = _choice(subject, _programs(subject), state)
+    drawn = heatmap(
+        subject.task, subject.algorithm, subject.parameters, state, _padded(choice), axes
+    )
+    return Picture(subject, drawn, choice)
+
+
+def _programs(subject: Subject) -> EvaluationPrograms:
+    return evaluation_programs(subject.task, subject.algorithm, rollouts=ROLLOUTS)
+
+
+def _choice(subject: Subject, programs: EvaluationPrograms, state: Array) -> tuple[int, ...]:
+    schedules, values = programs.choose(
+        subject.task.problem, subject.parameters, jax.random.key(0), _repeated(state)
+    )
+    count = len(subject.task.grounding.decomposition.variables)
+    best = np.asarray(schedules)[int(np.asarray(values).argmax())]
+    return tuple(int(value) for value in best[:count])
+
+
+def _padded(schedule: tuple[int, ...]) -> np.ndarray:
+    padded = np.zeros(MAX_VARIABLES, np.int32)
+    padded[: len(schedule)] = schedule
+    return padded
+
+
+def _repeated(row: Array) -> Array:
+    return jnp.broadcast_to(row, (ROLLOUTS, *row.shape))

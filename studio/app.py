@@ -1,0 +1,145 @@
+"""The page: one server, one session, panels and views, and the loop that draws them."""
+
+import threading
+import time
+import webbrowser
+from pathlib import Path
+from typing import Protocol
+
+import viser
+
+from core.algorithm import make_algorithm
+from core.errors import UserError
+from core.programs import use_disk_cache
+from core.training import TrainingConfig
+from scenes import Scene, load_scene, load_task
+from studio.panels.formula import FormulaPanel
+from studio.panels.heatmap import HeatmapPanel
+from studio.panels.rollout import RolloutPanel
+from studio.panels.task import TaskPanel
+from studio.panels.training import TrainingPanel
+from studio.panels.tree import TreePanel
+from studio.security import start_server
+from studio.session import MakeConfig, Session
+from studio.theme import BRAND, STYLE
+from studio.views.regions import RegionsView
+from studio.views.robot import RobotView
+
+FIRST_TASK = "linear-08"
+FRAME = 1 / 25
+"""Least time between two drawings [s]."""
+
+
+class Drawable(Protocol):
+    """A panel or a view: shows the session, changes nothing in it."""
+
+    def draw(self, session: Session) -> None:
+        """Bring what is shown up to date; cheap where nothing has changed."""
+        ...
+
+
+class Studio:
+    """A running page. `run` draws until `close`."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        formula: str | None,
+        host: str,
+        port: int,
+        make_config: MakeConfig | None = None,
+    ) -> None:
+        self.url = f"http://{'[' + host + ']' if ':' in host else host}:{port}"
+        self._server = start_server(host, port, "TGPO Studio")
+        self.session = Session(scene, formula, make_config or default_config)
+        self._drawables = _build(self._server, self.session)
+        self._closed = threading.Event()
+
+    def run(self) -> None:
+        """Draw frames until closed."""
+        while not self._closed.is_set():
+            began = time.monotonic()
+            self.session.tick(began)
+            for drawable in self._drawables:
+                drawable.draw(self.session)
+            self._closed.wait(max(0.0, began + FRAME - time.monotonic()))
+
+    def close(self) -> None:
+        """Stop drawing, training and serving."""
+        self._closed.set()
+        self.session.close()
+        self._server.stop()
+
+
+def serve(
+    *,
+    task: str | None = None,
+    scene: str | None = None,
+    formula: str | None = None,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    open_browser: bool = True,
+) -> None:
+    """Serve the page until interrupted.
+
+    Args:
+        task: a shipped task to open.
+        scene: a scene file to open instead.
+        formula: to stand in the editor in place of the scene's own.
+        host: a loopback address.
+        port: where to listen; a busy one is an error.
+        open_browser: whether to open a browser window.
+
+    Raises:
+        UserError: an unknown task, a bad scene file, or an address that cannot be used.
+    """
+    studio = Studio(opened_scene(task, scene), formula, host, port)
+    use_disk_cache()
+    print(f"TGPO Studio runs at {studio.url}  (Ctrl+C ends it)", flush=True)
+    if open_browser:
+        threading.Thread(target=webbrowser.open, args=(studio.url,), daemon=True).start()
+    try:
+        studio.run()
+    except KeyboardInterrupt:
+        print("\nGood-bye.")
+    finally:
+        studio.close()
+
+
+def opened_scene(task: str | None, scene: str | None) -> Scene:
+    """The scene that the arguments ask for."""
+    if task is not None and scene is not None:
+        raise UserError(f"give a task ({task!r}) or a scene file ({scene!r}), not both")
+    if scene is not None:
+        return load_scene(Path(scene))
+    return load_task(task if task is not None else FIRST_TASK)
+
+
+def default_config(scene: Scene, time_limit: float) -> TrainingConfig:
+    """TGPO* in studio mode."""
+    algorithm = make_algorithm("studio", "tgpo-star", scene.robot)
+    return TrainingConfig(algorithm, seed=scene.seed, epochs=1000, time_limit=time_limit)
+
+
+def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
+    """Lay the page out: what is asked for on the left, learning on the right, the robot between."""
+    gui = server.gui
+    gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
+    gui.add_html(STYLE)
+    drawables: list[Drawable] = [
+        TaskPanel(gui, session),
+        FormulaPanel(gui, session),
+        TreePanel(gui),
+    ]
+    learning = gui.add_panel()
+    with learning.add_tab("Learning", viser.Icon.BRAIN):
+        drawables += [TrainingPanel(gui, session), HeatmapPanel(gui, session)]
+    rollout = gui.add_panel()
+    with rollout.add_tab("Rollout", viser.Icon.ROUTE):
+        drawables.append(RolloutPanel(gui, session))
+    gui.main_panel.dock_left()
+    gui.main_panel.set_width(400)
+    learning.dock_right()
+    learning.set_width(420)
+    rollout.float(x=20, y=-14, width=580)
+    return [*drawables, RegionsView(server), RobotView(server)]

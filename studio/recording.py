@@ -1,0 +1,94 @@
+"""A rollout as the page shows it: states on the host, the verdict, and what each task did."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.decompose import Kind, task_name
+from core.evaluation import trace_robustness
+from core.stl import robustness, to_math
+from core.task import Task
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How one task of the formula fared in its window."""
+
+    name: str
+    predicate: str
+    kind: Kind
+    start: int
+    end: int
+    margin: np.ndarray
+    """Margin of the predicate at each step of the episode [T] in [m], >= 0 where it holds."""
+
+    @property
+    def worst(self) -> float:
+        """Smallest margin in the window [m]; +inf for an empty window."""
+        return float(self.margin[self.start : self.end + 1].min(initial=np.inf))
+
+    @property
+    def first_failure(self) -> int | None:
+        """First step of the window at which the predicate does not hold."""
+        failed = np.flatnonzero(self.margin[self.start : self.end + 1] < 0)
+        return int(self.start + failed[0]) if failed.size else None
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One rollout of one schedule; steps 0 to T."""
+
+    task: Task
+    schedule: tuple[int, ...]
+    states: np.ndarray  # [T + 1, n]
+    positions: np.ndarray  # [T + 1, 3] in [m], z = 0 for planar robots
+    robustness: float  # of the formula [m], -inf if the simulation broke down
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def satisfied(self) -> bool:
+        """The verdict: exact satisfaction of the formula by the simulated trace."""
+        return self.robustness >= 0
+
+    @property
+    def steps(self) -> int:
+        """T."""
+        return len(self.states) - 1
+
+
+def record(task: Task, schedule, states: np.ndarray, margins: np.ndarray) -> Recording:
+    """Judge one simulated trace.
+
+    Args:
+        task: the grounded task.
+        schedule: values of the variables [V], padding included or not.
+        states: [L + 1, n], L at least the task's horizon.
+        margins: [L + 1, A] of the atoms [m].
+    """
+    count = len(task.grounding.decomposition.variables)
+    length = task.horizon + 1
+    states, margins = np.asarray(states)[:length], np.asarray(margins)[:length]
+    chosen = tuple(int(value) for value in np.asarray(schedule)[:count])
+    position = np.asarray(task.robot.position(states))  # pyright: ignore[reportArgumentType]
+    flat = np.zeros((length, 3))
+    flat[:, : position.shape[1]] = position
+    verdict = float(trace_robustness(task, margins[:, None, :])[0])
+    return Recording(task, chosen, states, flat, verdict, _outcomes(task, chosen, margins))
+
+
+def _outcomes(task: Task, schedule: tuple[int, ...], margins: np.ndarray) -> tuple[Outcome, ...]:
+    decomposition, names = task.grounding.decomposition, task.grounding.atoms
+    index = {id(one): i for i, one in enumerate(decomposition.tasks)}
+    atoms = margins[:, None, : len(names)]
+    return tuple(
+        Outcome(
+            task_name(decomposition, index[id(one)]),
+            to_math(one.predicate),
+            one.kind,
+            start,
+            end,
+            np.asarray(robustness(one.predicate, atoms, names)),
+        )
+        for one, start, end in decomposition.active_tasks(schedule)
+        if start <= end
+    )

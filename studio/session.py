@@ -1,0 +1,131 @@
+"""The state of the page: what is asked for, what was learnt, what plays.
+
+Handlers of the page run on other threads; they `post` a change. The page's loop applies the
+changes in `tick` and is the only one that alters this state.
+"""
+
+import time
+import traceback
+from collections.abc import Callable
+from queue import Empty, SimpleQueue
+
+from core.errors import UserError
+from core.training import TrainingConfig
+from scenes import Scene, load_task
+from studio.analyst import Analyst
+from studio.player import Player
+from studio.specification import Specification, edited, specify
+from studio.worker import Stage, Trainer, Training
+
+DEBOUNCE = 0.35
+"""Pause in typing after which a formula is judged [s]."""
+
+MakeConfig = Callable[[Scene, float], TrainingConfig]
+"""From a scene and a time limit [s] to the training that the button starts."""
+
+
+class Session:
+    """One for all clients of a server."""
+
+    def __init__(self, scene: Scene, formula: str | None, make_config: MakeConfig) -> None:
+        self.specification: Specification = specify(scene, formula)
+        self.trainer, self.analyst, self.player = Trainer(), Analyst(), Player()
+        self.time_limit = 60.0
+        self.error = ""
+        self._make_config = make_config
+        self._changes: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._draft: tuple[str, float] | None = None
+        self._shown: Training | None = None
+
+    @property
+    def training(self) -> Training:
+        """The latest snapshot."""
+        return self.trainer.snapshot
+
+    @property
+    def stale(self) -> bool:
+        """Whether what was learnt belongs to another formula than the one shown."""
+        task = self.training.task
+        return task is not None and task is not self.specification.task
+
+    def post(self, change: Callable[[], None]) -> None:
+        """Have a change made by the next tick; from any thread."""
+        self._changes.put(change)
+
+    def tick(self, now: float) -> None:
+        """Apply what was posted and pass news on.
+
+        Args:
+            now: monotonic time [s].
+        """
+        while True:
+            try:
+                change = self._changes.get_nowait()
+            except Empty:
+                break
+            self._apply(change)
+        if self._draft is not None and now >= self._draft[1]:
+            text, self._draft = self._draft[0], None
+            self.specification = edited(self.specification, text)
+        self._pass_on()
+        self.player.tick(now)
+
+    def choose_task(self, name: str) -> None:
+        """Go to a shipped task; what was learnt on the last one is dropped."""
+        self.open(load_task(name))
+
+    def open(self, scene: Scene) -> None:
+        """Go to another scene."""
+        self.trainer.forget()
+        self.analyst.forget()
+        self.player.load(None)
+        self._draft, self._shown = None, None
+        self.specification = specify(scene)
+
+    def edit(self, text: str) -> None:
+        """Take a formula as typed; it is judged when the typing pauses."""
+        self._draft = (text, time.monotonic() + DEBOUNCE)
+
+    def train(self) -> None:
+        """Start training on the formula in the editor, if it is right."""
+        if self._draft is not None:
+            self.specification = edited(self.specification, self._draft[0])
+            self._draft = None
+        specification = self.specification
+        if specification.error or specification.task is None:
+            raise UserError("Training needs a formula without errors.")
+        self.analyst.forget()
+        self.player.load(None)
+        self._shown = None
+        config = self._make_config(specification.scene, self.time_limit)
+        self.trainer.start(specification.task, config)
+
+    def close(self) -> None:
+        """End the threads."""
+        self.trainer.close()
+        self.analyst.close()
+
+    def _apply(self, change: Callable[[], None]) -> None:
+        try:
+            self.error = ""
+            change()
+        except UserError as error:
+            self.error = str(error)
+        except Exception as error:  # noqa: BLE001 - the page shows it and lives on
+            traceback.print_exc()
+            self.error = f"{type(error).__name__}: {error}"
+
+    def _pass_on(self) -> None:
+        """Give the analyst the newest weights and the player the newest rollout."""
+        training = self.training
+        self.analyst.observe(training)
+        ended = training.stage in (Stage.DONE, Stage.STOPPED)
+        unseen = self._shown is None or self._shown.stage is not training.stage
+        if ended and unseen and training.parameters is not None and self.player.recording is None:
+            self.analyst.ask()
+        self._shown = training
+        recording = self.analyst.recording
+        if recording is not self.player.recording and (
+            recording is None or recording.task is training.task
+        ):
+            self.player.load(recording)

@@ -1,0 +1,67 @@
+"""Colours and styles of the page."""
+
+from core.decompose import Kind
+
+BRAND = (30, 96, 145)
+
+MONO = "ui-monospace, SFMono-Regular, Menlo, Consolas, 'DejaVu Sans Mono', monospace"
+MONO_WIDTH = 0.602
+"""Width of a character of `MONO` over the size of its font."""
+
+GOOD, BAD, TIME, MUTED = "#2b8a3e", "#c92a2a", "#c2255c", "var(--mantine-color-dimmed)"
+TRAIL = (247, 103, 7)
+
+KIND_COLOR = {Kind.REACH: "#1e6091", Kind.STAY: "#0b7285", Kind.INVARIANT: "#8a4b22"}
+"""Ink of a task's label and frame."""
+
+KIND_FILL = {Kind.REACH: "#dcecf8", Kind.STAY: "#d9f2f3", Kind.INVARIANT: "#f8e9dc"}
+"""Its background."""
+
+KIND_WORD = {Kind.REACH: "reach", Kind.STAY: "stay", Kind.INVARIANT: "keep"}
+
+STYLE = """
+<style>
+.tg { padding: 0 0.75em 0.6em; font-size: 0.875em; line-height: 1.45;
+  color: var(--mantine-color-text); }
+.tg-dim { color: var(--mantine-color-dimmed); }
+.tg-title { font-weight: 600; }
+.tg-mono, .tg pre, .mantine-Textarea-input {
+  font-family: ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace
+  !important; }
+.mantine-Textarea-input { font-size: 12px !important; line-height: 1.5 !important; }
+.tg pre { margin: 0; font-size: 12px; white-space: pre-wrap; overflow-wrap: anywhere; }
+.tg-note { border-left: 3px solid; border-radius: 3px; padding: 0.45em 0.65em; }
+.tg-error { border-color: #c92a2a; background: #fff0f0; color: #8f1d1d; }
+.tg-error pre { white-space: pre; overflow-x: auto; }
+.tg-warn { border-color: #e8890c; background: #fff6e6; color: #7a4a05; }
+.tg-scroll { overflow-x: auto; }
+.tg-badge { display: inline-block; border-radius: 999px; padding: 0.1em 0.75em; font-weight: 600;
+  color: #fff; }
+.tg-cards { display: grid; grid-template-columns: repeat(4, 1fr); gap: 0.4em; }
+.tg-card { background: var(--mantine-color-gray-0); border: 1px solid var(--mantine-color-gray-2);
+  border-radius: 4px; padding: 0.3em 0.5em; }
+.tg-card b { display: block; font-size: 1.2em; font-weight: 600; white-space: nowrap; }
+.tg-card span { color: var(--mantine-color-dimmed); font-size: 0.85em; white-space: nowrap; }
+.tg table { border-collapse: collapse; width: 100%; font-size: 12px; }
+.tg th { text-align: left; font-weight: 500; color: var(--mantine-color-dimmed);
+  border-bottom: 1px solid var(--mantine-color-gray-3); padding: 0.15em 0.6em 0.15em 0; }
+.tg td { padding: 0.2em 0.6em 0.2em 0; border-bottom: 1px solid var(--mantine-color-gray-1);
+  vertical-align: top; }
+.tg-dot { display: inline-block; width: 0.7em; height: 0.7em; border-radius: 2px;
+  margin-right: 0.45em; vertical-align: -0.02em; }
+.mantine-Flex-root:has(> div textarea) { flex-direction: column;
+  align-items: stretch !important; }
+.mantine-Flex-root:has(> div textarea) > div:first-child { width: 100% !important;
+  padding-bottom: 0.25em; }
+.tg-transport { display: flex; gap: 0.4em; align-items: center; }
+.tg-transport button { font: inherit; font-size: 0.95em; cursor: pointer; border-radius: 4px;
+  border: 1px solid var(--mantine-color-gray-4); background: var(--mantine-color-body);
+  color: var(--mantine-color-text); padding: 0.15em 0.7em; min-width: 2.6em; }
+.tg-transport button:hover { background: var(--mantine-color-gray-1); }
+.tg-transport button[aria-pressed="true"] { background: #1e6091; border-color: #1e6091;
+  color: #fff; }
+.tg-transport .tg-gap { flex-grow: 1; }
+.tg-heat image { cursor: crosshair; image-rendering: pixelated; }
+</style>
+"""
+"""Added to the page once. Classes of the page's own start with `tg`."""
