@@ -42,7 +42,7 @@ class CheckpointError(UserError):
 
 
 class DivergedError(UserError):
-    """Weights that are no longer finite numbers."""
+    """Weights that are not finite numbers."""
 
 
 class Loaded(NamedTuple):
@@ -135,7 +135,7 @@ def load_tree(path: Path, like: Tree, *, kind: str) -> Tree:
 
 
 def require_finite(parameters: Any, what: str) -> None:
-    """Refuse weights with NaN or infinite entries.
+    """Refuse weights with NaN or infinite entries; `what` says where they come from.
 
     Raises:
         DivergedError: with the name of the first array at fault.
@@ -143,8 +143,7 @@ def require_finite(parameters: Any, what: str) -> None:
     for name, leaf in _named_leaves(parameters).items():
         if not np.isfinite(np.asarray(leaf)).all():
             raise DivergedError(
-                f"{what}: the weights {name!r} are no longer finite; the training has diverged. "
-                "Try another seed"
+                f"{what}: the weights {name!r} hold numbers that are not finite"
             )
 
 

@@ -16,6 +16,7 @@ import json
 import math
 import re
 import time
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -233,7 +234,8 @@ class Run:
             DivergedError: the weights are no longer finite; nothing of the epoch is kept.
             UserError: the disk is full; the last checkpoint stays.
         """
-        require_finite(progress.parameters, f"epoch {progress.epoch}")
+        where = f"the training has diverged in epoch {progress.epoch} (try another seed)"
+        require_finite(progress.parameters, where)
         metrics = report(progress)
         try:
             with (self.folder / "metrics.jsonl").open("a", encoding="utf-8") as file:
@@ -305,8 +307,9 @@ class Run:
         }
 
     def close(self) -> None:
-        """Close the event file."""
-        self._events.close()
+        """Close the event file; a full disk costs no more than its last points."""
+        with suppress(OSError):
+            self._events.close()
 
     def __enter__(self) -> "Run":
         return self

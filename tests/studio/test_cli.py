@@ -1,0 +1,160 @@
+"""The command's arguments: what is understood, and how quickly and clearly the rest is refused."""
+
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import get_args, get_type_hints
+
+import pytest
+
+from core.algorithm import MethodName, ModeName
+from core.errors import UserError
+from scenes import task_names
+from studio import cli, headless
+from studio.cli import Options, main
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def called(monkeypatch):
+    """Which action was started, with its options."""
+    calls = []
+    for name in ("train_only", "resume", "evaluate"):
+        monkeypatch.setattr(
+            headless, name, lambda options, name=name: calls.append((name, options)) or 0
+        )
+    monkeypatch.setattr(cli, "_use_cache", lambda options: calls.append(options.no_cache))
+    page = ModuleType("studio.app")
+    page.serve = lambda **options: calls.append(("page", options))  # pyright: ignore
+    monkeypatch.setitem(sys.modules, "studio.app", page)
+    return calls
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name", "expected"),
+    [
+        (
+            "--train-only --task linear-08 --method tgpo --mode paper --seed 3 --epochs 7 "
+            "--time-limit 60 --target 0.9 --out runs/x",
+            "train_only",
+            Options(
+                train_only=True,
+                task="linear-08",
+                method="tgpo",
+                mode="paper",
+                seed=3,
+                epochs=7,
+                time_limit=60.0,
+                target=0.9,
+                out=Path("runs/x"),
+            ),
+        ),
+        (
+            "--train-only --scene a.stl.toml --formula F_[0:9](A)",
+            "train_only",
+            Options(train_only=True, scene=Path("a.stl.toml"), formula="F_[0:9](A)"),
+        ),
+        ("--resume r --epochs 9", "resume", Options(resume=Path("r"), epochs=9)),
+        ("--resume r --train-only", "resume", Options(resume=Path("r"), train_only=True)),
+        ("--evaluate r --task t", "evaluate", Options(evaluate=Path("r"), task="t")),
+    ],
+)
+def test_actions(called, arguments, name, expected):
+    assert main(arguments.split()) == 0
+    assert called == [False, (name, expected)]
+
+
+def test_the_page(called):
+    assert main(["--task", "linear-01", "--port", "0", "--no-browser", "--no-cache"]) == 0
+    assert called == [
+        True,
+        (
+            "page",
+            {
+                "task": "linear-01",
+                "scene": None,
+                "formula": None,
+                "host": "127.0.0.1",
+                "port": 0,
+                "open_browser": False,
+            },
+        ),
+    ]
+
+
+def test_the_tasks_are_listed(capsys):
+    assert main(["--list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == task_names()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("--train-only", "give --task NAME or --scene FILE.stl.toml"),
+        ("--train-only --task a --scene b", "--task and --scene exclude each other"),
+        ("--epochs 3", "--epochs has no meaning for the page without --train-only"),
+        ("--resume r --seed 3", "--seed has no meaning with --resume. Allowed: --epochs"),
+        ("--evaluate r --train-only", "--train-only has no meaning with --evaluate"),
+        ("--list --task a", "--task has no meaning with --list. Allowed: nothing"),
+        ("--train-only --task a --port 1", "--port has no meaning with --train-only"),
+        ("--port 70000", "--port: 70000 must be from 0 to 65535"),
+    ],
+)
+def test_contradictions_are_refused(capsys, arguments, message):
+    assert main(arguments.split()) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith(f"error: {message}") and not captured.out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    ["--method ppo", "--mode fast", "--epochs many", "--seed 1.5", "--out", "--frobnicate", "x"],
+)
+def test_what_cannot_be_parsed_is_refused(capsys, arguments):
+    with pytest.raises(SystemExit) as stopped:
+        main(arguments.split())
+    assert stopped.value.code == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "message"),
+    [
+        (UserError("line 1\nF(\n ^"), 2, "error: line 1\nF(\n ^\n"),
+        (KeyboardInterrupt(), 130, "aborted\n"),
+    ],
+)
+def test_failures_have_a_status_and_no_traceback(monkeypatch, capsys, error, status, message):
+    def fail(options):
+        raise error
+
+    monkeypatch.setattr(headless, "evaluate", fail)
+    assert main(["--evaluate", "x", "--no-cache"]) == status
+    assert capsys.readouterr().err == message
+
+
+def test_choices_are_those_of_the_core():
+    hints = get_type_hints(Options)
+    assert get_args(hints["method"]) == get_args(MethodName)
+    assert get_args(hints["mode"]) == get_args(ModeName)
+
+
+def test_help_needs_nothing_heavy():
+    code = (
+        "import sys; sys.argv[1:] = ['--help']\n"
+        "from studio.cli import main\n"
+        "try: main()\n"
+        "finally: print(sorted({'jax', 'numpy', 'viser', 'scenes'} & set(sys.modules)))"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "--train-only" in done.stdout and done.stdout.endswith("[]\n")
+
+
+def test_python_m_studio():
+    command = [sys.executable, "-m", "studio", "--port", "-1"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and done.stderr.startswith("error: --port: -1 must be")
