@@ -10,7 +10,6 @@ import viser
 
 from core.algorithm import make_algorithm
 from core.errors import UserError
-from core.programs import use_disk_cache
 from core.training import TrainingConfig
 from scenes import Scene, load_scene, load_task
 from studio.panels.formula import FormulaPanel
@@ -80,7 +79,7 @@ def serve(
     port: int = 8080,
     open_browser: bool = True,
 ) -> None:
-    """Serve the page until interrupted.
+    """Serve the page until interrupted; whoever calls it has chosen the compilation cache.
 
     Args:
         task: a shipped task to open.
@@ -94,7 +93,6 @@ def serve(
         UserError: an unknown task, a bad scene file, or an address that cannot be used.
     """
     studio = Studio(opened_scene(task, scene), formula, host, port)
-    use_disk_cache()
     print(f"TGPO Studio runs at {studio.url}  (Ctrl+C ends it)", flush=True)
     if open_browser:
         threading.Thread(target=webbrowser.open, args=(studio.url,), daemon=True).start()

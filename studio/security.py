@@ -110,9 +110,7 @@ def _guarded_handshakes() -> Iterator[None]:
         def checked(connection, request: Request) -> Response | None:
             if not allows(request.headers):
                 body = b"403: this page answers only to itself, under a loopback address\n"
-                headers = Headers(
-                    {"Content-Type": "text/plain", "Content-Length": str(len(body))}
-                )
+                headers = Headers({"Content-Type": "text/plain", "Content-Length": str(len(body))})
                 return Response(http.HTTPStatus.FORBIDDEN, "Forbidden", headers, body)
             response = process_request(connection, request)
             if response is not None:

@@ -59,8 +59,7 @@ class RolloutPanel:
     def _controls(self, player: Player) -> str:
         name = "❚❚ Pause" if player.playing else "▶ Play"
         speeds = "".join(
-            self._button(f"{speed}×", str(speed), pressed=speed == player.speed)
-            for speed in SPEEDS
+            self._button(f"{speed}×", str(speed), pressed=speed == player.speed) for speed in SPEEDS
         )
         return (
             f'<div class="tg"><div class="tg-transport">{self._button("↺ Restart", RESTART)}'
@@ -82,12 +81,12 @@ def verdict_html(recording: Recording) -> str:
         f"{variable.name} = {value}"
         for variable, value in zip(variables, recording.schedule, strict=True)
     )
-    failure = "" if recording.satisfied else _failure(recording)
+    remark = _detour(recording) if recording.satisfied else _failure(recording)
     return (
         f'<div style="margin-bottom:0.4em"><span class="tg-badge" style="background:{color}">'
         f"{word}</span> &nbsp;robustness {recording.robustness:+.2f} m"
         f'<span class="tg-mono tg-dim" style="float:right;font-size:12px">{escape(schedule)}</span>'
-        f"{failure}</div>"
+        f"{remark}</div>"
     )
 
 
@@ -97,6 +96,15 @@ def _invitation(session: Session) -> str:
     else:
         text = "Train, then click a cell of the heatmap: that schedule is carried out here."
     return f'<div class="tg tg-dim">{text}</div>'
+
+
+def _detour(recording: Recording) -> str:
+    """Say so where the formula holds, but not by the tasks of this schedule."""
+    missed = [outcome.predicate for outcome in recording.outcomes if outcome.worst < 0]
+    if not missed:
+        return ""
+    text = f"The formula holds, though {', '.join(missed)} did not when the schedule asked for it."
+    return f'<div class="tg-dim">{escape(text)}</div>'
 
 
 def _failure(recording: Recording) -> str:

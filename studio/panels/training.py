@@ -30,7 +30,11 @@ class TrainingPanel:
         self._curve: tuple[Point, ...] | None = None
         with gui.add_folder("Training"):
             self._limit = gui.add_number(
-                "Time limit", session.time_limit, min=1.0, max=3600.0, step=5.0,
+                "Time limit",
+                session.time_limit,
+                min=1.0,
+                max=3600.0,
+                step=5.0,
                 hint="Most seconds to train; ends earlier at 99.5 % success.",
             )
             self._train = gui.add_button("Train", icon=viser.Icon.PLAYER_PLAY)
@@ -69,8 +73,12 @@ class TrainingPanel:
         _set(self._train, visible=not training.running, disabled=bool(session.specification.error))
         _set(self._stop, visible=training.running)
         _set(self._limit, disabled=training.running)
-        _set(self._bar, visible=training.stage is not Stage.IDLE,
-             animated=training.running, color=_color(training))
+        _set(
+            self._bar,
+            visible=training.stage is not Stage.IDLE,
+            animated=training.running,
+            color=_color(training),
+        )
         self._bar.value = round(100 * _share(training), 1)
         problem = session.error or training.error or session.analyst.error
         self._status.show(_status(training) + _stale(session) + note(problem))

@@ -27,9 +27,7 @@ def add_car(scene: viser.SceneApi, node: str) -> None:
     for i, y in enumerate((-0.1, 0.1)):
         scene.add_box(f"{node}/lamp{i}", LIGHT, (0.03, 0.07, 0.05), position=(0.31, y, 0.17))
     for i, (x, y) in enumerate(((0.19, 0.17), (0.19, -0.17), (-0.19, 0.17), (-0.19, -0.17))):
-        scene.add_cylinder(
-            f"{node}/wheel{i}", 0.09, 0.07, DARK, wxyz=AXLE, position=(x, y, 0.09)
-        )
+        scene.add_cylinder(f"{node}/wheel{i}", 0.09, 0.07, DARK, wxyz=AXLE, position=(x, y, 0.09))
 
 
 BODY: MappingProxyType[str, Callable[[viser.SceneApi, str], None]] = MappingProxyType(

@@ -28,7 +28,7 @@ class RegionsView:
         self._server = server
         self._drawn: tuple[Scene, dict[str, Role]] | None = None
         server.initial_camera.position = (0.0, -13.0, 15.8)
-        server.initial_camera.look_at = (0.0, -1.5, 0.0)
+        server.initial_camera.look_at = (0.0, -1.9, 0.0)
         server.initial_camera.fov = 0.8
         _light(self._scene)
 
@@ -52,18 +52,32 @@ class RegionsView:
         width, depth = right - left, back - front
         middle = ((left + right) / 2, (front + back) / 2)
         self._scene.add_box(
-            "/scene/floor", FLOOR, (width, depth, 0.1), position=(*middle, -0.051),
+            "/scene/floor",
+            FLOOR,
+            (width, depth, 0.1),
+            position=(*middle, -0.051),
             cast_shadow=False,
         )
         self._scene.add_grid(
-            "/scene/grid", width, depth, cell_size=1.0, section_size=5.0, cell_color=GRID,
-            section_color=GRID, shadow_opacity=0.0, position=(*middle, 0.002),
+            "/scene/grid",
+            width,
+            depth,
+            cell_size=1.0,
+            section_size=5.0,
+            cell_color=GRID,
+            section_color=GRID,
+            shadow_opacity=0.0,
+            position=(*middle, 0.002),
         )
 
     def _draw_region(self, name: str, region: Region, role: Role) -> None:
         chosen = None if role is Role.UNUSED else region.color
         top = add_solid(
-            self._scene, name, region, rgb(chosen or DEFAULT_COLOR[role]), HEIGHT[role],
+            self._scene,
+            name,
+            region,
+            rgb(chosen or DEFAULT_COLOR[role]),
+            HEIGHT[role],
             OPACITY[role],
         )
         self._label(name, region.name, (0.0, 0.0, top), 0.9)
@@ -79,7 +93,10 @@ class RegionsView:
         self, name: str, label: str, position: tuple[float, float, float], scale: float
     ) -> None:
         self._scene.add_label(
-            f"{name}/label", label, position=position, anchor="center-center",
+            f"{name}/label",
+            label,
+            position=position,
+            anchor="center-center",
             font_screen_scale=scale,
         )
 

@@ -11,6 +11,10 @@ from studio.session import Session
 from studio.theme import TRAIL
 from studio.views.bodies import BODY, HEADING
 
+LIFT = 0.05
+"""Of the trail over the path, so that it covers it [m]."""
+
+
 class RobotView:
     """Follows the playhead; without a rollout the robot waits in the initial set."""
 
@@ -68,12 +72,12 @@ class RobotView:
         self._path = self._trail = None
         if recording is None:
             return
-        segments = _segments(recording.positions)
+        segments = _segments(recording.positions, 0.03)
         self._path = self._server.scene.add_line_segments(
             "/path", segments, (206, 212, 218), thickness=0.04
         )
         self._trail = self._server.scene.add_line_segments(
-            "/trail", segments[:1], TRAIL, thickness=0.08
+            "/trail", segments[:1] + LIFT, TRAIL, thickness=0.08
         )
 
     def _extend(self, recording: Recording, position: float) -> None:
@@ -81,7 +85,7 @@ class RobotView:
             return
         done = recording.positions[: int(position) + 1]
         here = interpolated(recording, position)[1]
-        self._trail.points = _segments(np.concatenate([done, here[None]])).astype(np.float32)
+        self._trail.points = _segments(np.concatenate([done, here[None]]), 0.03 + LIFT)
 
 
 def interpolated(recording: Recording, position: float) -> tuple[np.ndarray, np.ndarray]:
@@ -94,8 +98,9 @@ def interpolated(recording: Recording, position: float) -> tuple[np.ndarray, np.
     )
 
 
-def _segments(points: np.ndarray) -> np.ndarray:
-    lifted = points + np.array([0.0, 0.0, 0.05])
+def _segments(points: np.ndarray, height: float) -> np.ndarray:
+    """Segments [N - 1, 2, 3] between consecutive points [N, 3], raised by a height [m]."""
+    lifted = (points + np.array([0.0, 0.0, height])).astype(np.float32)
     return np.stack([lifted[:-1], lifted[1:]], axis=1)
 
 

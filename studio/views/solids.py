@@ -28,14 +28,18 @@ def add_solid(
     half_height = height / 2 if planar else region.size[-1]
     if region.kind in ("circle", "cylinder"):
         scene.add_cylinder(
-            name, region.size[0], 2 * half_height, color, radial_segments=64, position=at,
-            opacity=see_through, cast_shadow=solid,
+            name,
+            region.size[0],
+            2 * half_height,
+            color,
+            radial_segments=64,
+            position=at,
+            opacity=see_through,
+            cast_shadow=solid,
         )
     else:
         size = 2 * np.array([*region.size[:2], half_height])
-        scene.add_box(
-            name, color, size, position=at, opacity=see_through, cast_shadow=solid
-        )
+        scene.add_box(name, color, size, position=at, opacity=see_through, cast_shadow=solid)
     return half_height
 
 
