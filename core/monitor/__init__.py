@@ -1,16 +1,16 @@
 from core.monitor.explain import Diagnosis, diagnose, explain
 from core.monitor.leaves import LeafStatus, leaf_status
-from core.monitor.signals import Signals, failure_signals
+from core.monitor.signals import FailureSignals, Signals
 from core.monitor.table import MonitorRow, monitor_rows
 
 __all__ = [
     "Diagnosis",
+    "FailureSignals",
     "LeafStatus",
     "MonitorRow",
     "Signals",
     "diagnose",
     "explain",
-    "failure_signals",
     "leaf_status",
     "monitor_rows",
 ]

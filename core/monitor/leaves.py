@@ -45,7 +45,7 @@ def leaf_status(
     """
     signals = Signals(margins, names)
     chosen = tuple(int(value) for value in schedule[: len(decomposition.variables)])
-    active = {id(task): window for task, *window in decomposition.active_tasks(chosen)}
+    active = {id(task): (start, end) for task, start, end in decomposition.active_tasks(chosen)}
     status = np.zeros((len(decomposition.tasks), len(signals.margins)), np.int8)
     for row, task in zip(status, decomposition.tasks, strict=True):
         if id(task) in active:

@@ -2,9 +2,9 @@
 
 Besides the robustness, a subformula f has at each step t the *failure step* V(f, t): the first
 step by which f at t has failed whatever the signals of its atoms do afterwards, +inf if it holds.
-With S(A, t) = t where atom A holds and +inf elsewhere,
+With S(A, t) = t where mu_A(t) > 0 and +inf elsewhere,
 
-    V(A, t) = t where A does not hold, +inf elsewhere    V(!A, t) = S(A, t)
+    V(A, t) = t where mu_A(t) < 0, +inf elsewhere        V(!A, t) = S(A, t)
     V(f & g, t) = min(V(f, t), V(g, t))                  V(f | g, t) = max(V(f, t), V(g, t))
     V(G_[a:b] f, t) = min over the window of V(f, .)     V(F_[a:b] f, t) = max over it
 
@@ -84,21 +84,17 @@ class FailureSignals:
     """Failure steps of subformulas; see the module."""
 
     def __init__(self, margins: np.ndarray, names: Sequence[str]):
+        """Take one trace: margins [T, A] of the named regions."""
         margins = np.asarray(margins, float)
         steps = np.arange(len(margins), dtype=float)[:, None]
-        holds = margins[:, : len(names)] >= 0
-        columns = [np.where(holds, np.inf, steps), np.where(holds, -steps, -np.inf)]
+        margins = margins[:, : len(names)]
+        columns = [np.where(margins < 0, steps, np.inf), np.where(margins > 0, -steps, -np.inf)]
         signed = [sign + name for sign in "+-" for name in names]
         self._signals = Signals(np.concatenate(columns, axis=1), signed)
 
     def __getitem__(self, formula: Formula) -> np.ndarray:
         """First step by which the formula has failed [max(0, T - horizon)]; +inf if it holds."""
         return self._signals[_by_polarity(formula, "+")]
-
-
-def failure_signals(margins: np.ndarray, names: Sequence[str]) -> FailureSignals:
-    """Failure steps for margins [T, A] of the named regions."""
-    return FailureSignals(margins, names)
 
 
 def with_children(formula: Formula, parts: tuple[Formula, ...]) -> Formula:
