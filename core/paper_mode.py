@@ -81,7 +81,7 @@ class PaperMode:
         complete = progress >= windows.count
         present = after.checks.subgoal[jnp.minimum(progress, windows.start.shape[0] - 1)]
         reward = (
-            self.distance * jnp.where(complete, 0.0, present)
+            self.distance / robot.length * jnp.where(complete, 0.0, present)
             + self.progress * (progress != episode.progress)
             + self.success * (complete & (satisfied.min() > 0))
             + self.violation * (satisfied.min() == 0)
@@ -116,7 +116,7 @@ class PaperMode:
         horizon = problem.formula.horizon
         return jnp.concatenate(
             [
-                robot.position(episode.state) / 5,
+                robot.position(episode.state) / (5 * robot.length),
                 robot.observe(episode.state),
                 jnp.stack([episode.tau / horizon, episode.previous_progress / size]),
                 jax.nn.one_hot(episode.progress, size + 1),

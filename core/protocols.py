@@ -52,6 +52,11 @@ class Robot(Protocol):
         """Steps that a leg may need on top of its distance, for turning and starting."""
         ...
 
+    @property
+    def length(self) -> float:
+        """Length that features and rewards count as 1 [m]: a tenth of the workspace, say."""
+        ...
+
     def rest(self, key: Array, position: Array) -> Array:
         """State [n] at rest at a position [d]: the start of an episode."""
         ...

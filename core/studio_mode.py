@@ -6,7 +6,8 @@ subgoal that opens, or stays in the one that is open. Windows may overlap; an op
 as a constraint on the way to the next subgoal.
 
 Reward: shape * (distance before - distance after) along the geodesic field of the present leg
-(potential shaping), lambda_2 per subgoal, lambda_3 for the last one, lambda_4 for a violation.
+(potential shaping; lengths in units of the robot's), lambda_2 per subgoal, lambda_3 for the last
+one, lambda_4 for a violation.
 """
 
 from dataclasses import dataclass
@@ -87,7 +88,7 @@ class StudioMode:
         limit = 1.5 * robot.speed
         travelled = jnp.clip(jnp.where(same | (alive > 0), travelled, 0.0), -limit, limit)
         reward = (
-            self.shape * travelled * sense.live
+            self.shape / robot.length * travelled * sense.live
             + self.progress * gained
             + self.success * ((progress == windows.count) & (gained > 0))
             + self.violation * (worst_open_constraint(after.checks) < 0)
@@ -118,13 +119,14 @@ class StudioMode:
         position = robot.position(episode.state)
         live = sense.live
         next_live = (sense.rank + 1 < windows.count).astype(jnp.float32) * live
+        distance = sense.distance / robot.length
         opens, closes = windows.start[rank] - episode.tau, windows.end[rank] - episode.tau
         opens_next = windows.start[following] - episode.tau
         hurry = jnp.clip(sense.distance / (jnp.maximum(opens, 1.0) * robot.speed), 0, 2)
-        direction = sense.direction * jnp.minimum(1.0, 4 * sense.distance) * live
-        center = (problem.center[windows.order[rank]] - position) * live
-        onward = (problem.center[windows.order[following]] - position) * next_live
-        margin, obstacle = _nearest_danger(windows, episode.tau, sense)
+        direction = sense.direction * jnp.minimum(1.0, 4 * distance) * live
+        centers = (problem.center[windows.order] - position) / robot.length
+        center, onward = centers[rank] * live, centers[following] * next_live
+        margin, obstacle = _nearest_danger(windows, episode.tau, sense, robot.length)
         vectors = jnp.stack(
             [
                 direction,
@@ -136,7 +138,7 @@ class StudioMode:
         )
         scalars = jnp.stack(
             [
-                jnp.minimum(sense.distance, 6.0) / 3,
+                jnp.minimum(distance, 6.0) / 3,
                 hurry,
                 jnp.clip(opens / 20, -1, 3) * live,
                 jnp.clip(closes / 20, -1, 3) * live,
@@ -200,10 +202,13 @@ def _target(windows: Windows, tau: Array) -> tuple[Array, Array]:
     return jnp.where(keep, held, entered), keep
 
 
-def _nearest_danger(windows: Windows, tau: Array, sense: Sense) -> tuple[Array, Array]:
+def _nearest_danger(
+    windows: Windows, tau: Array, sense: Sense, length: float
+) -> tuple[Array, Array]:
     """Margin [] and direction [d], fading with distance, of what is nearest to being violated.
 
-    Candidates are the constraints that hold at the next step and the stays that are open.
+    The margin is in units of `length`. Candidates are the constraints that hold at the next step
+    and the stays that are open.
     """
     checks = sense.checks
     soon = tau + 1
@@ -212,8 +217,8 @@ def _nearest_danger(windows: Windows, tau: Array, sense: Sense) -> tuple[Array, 
     margin = jnp.where(
         jnp.concatenate([stay, constraint]),
         jnp.concatenate([checks.subgoal, checks.constraint]),
-        9.0,
+        9.0 * length,
     )
     nearest = margin.argmin()
-    value = margin[nearest]
+    value = margin[nearest] / length
     return value, -checks.gradient[nearest] * jnp.exp(-3 * jnp.clip(value, -0.3, 3.0))

@@ -75,7 +75,8 @@ def leg_slack(
     needed = jnp.where(distance > 0, reserve * distance / robot.speed + robot.lag, 0.0)
     live = jnp.arange(windows.start.shape[0]) < windows.count
     slack = jnp.where(live, available - needed, 0.0)
-    short = jax.nn.relu(-slack).sum() + UNREACHABLE * (live & overlap & (distance > 0.3)).sum()
+    apart = live & overlap & (distance > 0.3 * robot.length)
+    short = jax.nn.relu(-slack).sum() + UNREACHABLE * apart.sum()
     requirements = problem.formula.requirements
     agrees = ((requirements.guard < 0) | (requirements.guard == windows.schedule)).all(-1)
     lacking = jax.nn.relu(requirements.minimum - requirements.weight @ windows.schedule)

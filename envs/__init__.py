@@ -3,12 +3,14 @@
 from types import MappingProxyType
 
 from envs.linear import Linear
+from envs.panda import Panda
+from envs.quadrotor import Quadrotor
 from envs.robot import Robot
 from envs.unicycle import Unicycle
 
 ENVS: MappingProxyType[str, Robot] = MappingProxyType(
-    {robot.name: robot for robot in (Linear(), Unicycle())}
+    {robot.name: robot for robot in (Linear(), Unicycle(), Panda(), Quadrotor())}
 )
 """The robots by name."""
 
-__all__ = ["ENVS", "Linear", "Robot", "Unicycle"]
+__all__ = ["ENVS", "Linear", "Panda", "Quadrotor", "Robot", "Unicycle"]

@@ -21,12 +21,14 @@ class Linear:
         speed: Planning speed in [m/step]: the limit along an axis. Diagonal moves are faster, so
             it underrates the robot by up to a factor of sqrt(2), never overrates it.
         lag: Steps that a leg may need on top of its distance.
+        length: Length in [m] that features and rewards count as 1.
     """
 
     dt: float = 0.2
     max_velocity: float = 2.0
     speed: float = 0.4
     lag: float = 1.0
+    length: float = 1.0
     workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0))
     name: str = "linear"
     state_size: int = 2

@@ -26,6 +26,7 @@ class Unicycle:
             on paths among obstacles and with stops in regions the robot averages less than on a
             straight line, where nothing limits it.
         lag: Steps that a leg may need on top of its distance, for turning and starting.
+        length: Length in [m] that features and rewards count as 1.
         placed_speed: Range of the speed in [m/s] of a placed robot.
         speed_scale: Speed in [m/s] that is observed as 1.
     """
@@ -35,6 +36,7 @@ class Unicycle:
     max_acceleration: float = 4.0
     speed: float = 0.35
     lag: float = 3.0
+    length: float = 1.0
     placed_speed: tuple[float, float] = (-0.5, 1.5)
     speed_scale: float = 3.0
     workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0))

@@ -12,10 +12,20 @@ from scenes.scene import (
     save_scene,
     task_names,
 )
-from scenes.world import PLANAR, GoalGeometry, GridWorld, goal_geometry, world_arrays
+from scenes.world import (
+    AIRSPACE,
+    PLANAR,
+    TABLETOP,
+    GoalGeometry,
+    GridWorld,
+    goal_geometry,
+    world_arrays,
+)
 
 __all__ = [
+    "AIRSPACE",
     "PLANAR",
+    "TABLETOP",
     "WORKSPACE_DIMENSION",
     "GoalGeometry",
     "GridWorld",

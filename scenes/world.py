@@ -20,9 +20,6 @@ from scenes.margins import RegionArrays, margins_and_gradients, region_arrays
 from scenes.regions import SceneError
 from scenes.scene import Scene
 
-CLEARANCE = 0.15
-"""Distance that planned ways keep from obstacles [m]."""
-
 
 class WorldArrays(NamedTuple):
     """Data of one scene and formula."""
@@ -36,9 +33,17 @@ class WorldArrays(NamedTuple):
 
 @dataclass(frozen=True)
 class GridWorld:
-    """A workspace with a grid for its distance fields."""
+    """A workspace with a grid for its distance fields.
+
+    Attributes:
+        grid: Nodes of the fields.
+        clearance: Distance that planned ways keep from obstacles in [m].
+        inset: Depth in goals that planned ways aim at in [m].
+    """
 
     grid: Grid
+    clearance: float = 0.15
+    inset: float = 0.1
 
     def margins(self, data: WorldArrays, position: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Margins [A] of the regions in [m] and their gradients [A, d] at a position [d]."""
@@ -64,6 +69,12 @@ class GridWorld:
 
 PLANAR = GridWorld(Grid((-5.0, -5.0), 0.125, (81, 81)))
 """The arena [-5, 5]^2 m of the planar robots."""
+
+AIRSPACE = GridWorld(Grid((-5.0, -5.0, 0.0), 0.3125, (33, 33, 17)), clearance=0.35, inset=0.15)
+"""The arena [-5, 5]^2 x [0, 5] m of the quadrotor."""
+
+TABLETOP = GridWorld(Grid((0.1, -0.7, 0.0), 0.04, (20, 36, 26)), clearance=0.03, inset=0.02)
+"""The space [0.1, 0.86] x [-0.7, 0.7] x [0, 1] m in front of the arm."""
 
 
 class GoalGeometry(NamedTuple):
@@ -120,9 +131,12 @@ def goal_geometry(
 
     goal_margin = [value(goal) for goal in goals]
     obstacle_margin = {o: value(o) for combination in obstacles for o in combination}
-    blocked = [_blocked([obstacle_margin[o] for o in group], len(nodes)) for group in obstacles]
+    blocked = [
+        _blocked([obstacle_margin[o] for o in group], len(nodes), world.clearance)
+        for group in obstacles
+    ]
     fields = np.stack(
-        [[_field(grid, margin, ~(margin > 0) & b) for b in blocked] for margin in goal_margin]
+        [[_field(world, margin, ~(margin > 0) & b) for b in blocked] for margin in goal_margin]
     )
     random = np.random.default_rng(scene.seed)
     for goal, margin in zip(goals, goal_margin, strict=True):
@@ -146,13 +160,14 @@ def _node_margins(grid: Grid, arrays: RegionArrays) -> np.ndarray:
     return np.asarray(_margins_at_nodes(grid)(arrays))
 
 
-def _blocked(margins: list[np.ndarray], size: int) -> np.ndarray:
+def _blocked(margins: list[np.ndarray], size: int, clearance: float) -> np.ndarray:
     worst = np.min(margins, axis=0) if margins else np.full(size, np.inf)
-    return worst < CLEARANCE
+    return worst < clearance
 
 
-def _field(grid: Grid, goal: np.ndarray, blocked: np.ndarray) -> np.ndarray:
-    return geodesic_field(grid, goal.reshape(grid.shape), blocked.reshape(grid.shape))
+def _field(world: GridWorld, goal: np.ndarray, blocked: np.ndarray) -> np.ndarray:
+    shape = world.grid.shape
+    return geodesic_field(world.grid, goal.reshape(shape), blocked.reshape(shape), world.inset)
 
 
 def _sample_inside(nodes, margin, blocked, samples, random) -> np.ndarray:

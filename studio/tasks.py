@@ -11,10 +11,24 @@ from core.problem import SAMPLES_INSIDE, Problem, to_device
 from core.stl import parse
 from core.task import Task
 from envs import ENVS
-from scenes import PLANAR, GoalGeometry, GridWorld, Scene, goal_geometry, world_arrays
+from scenes import (
+    AIRSPACE,
+    PLANAR,
+    TABLETOP,
+    GoalGeometry,
+    GridWorld,
+    Scene,
+    goal_geometry,
+    world_arrays,
+)
 
-WORLDS: dict[int, GridWorld] = {2: PLANAR}
-"""Workspace by dimension of the robot's position."""
+WORLDS: dict[str, GridWorld] = {
+    "linear": PLANAR,
+    "unicycle": PLANAR,
+    "panda": TABLETOP,
+    "quadrotor": AIRSPACE,
+}
+"""Workspace by robot."""
 
 
 def decompose_scene(scene: Scene) -> Decomposition:
@@ -37,7 +51,7 @@ def build_task(scene: Scene, formula: str | None = None) -> Task:
     if formula is not None:
         scene = replace(scene, formula=formula)
     robot = ENVS[scene.robot]
-    world = WORLDS[robot.position_size]
+    world = WORLDS[robot.name]
     grounding = ground(decompose_scene(scene), scene.region_names, scene.horizon)
     goals = [task.predicate for task in grounding.subgoals]
     constraints = [task.predicate for task in grounding.constraints]

@@ -25,6 +25,7 @@ class PointRobot:
     dt: float = 1.0
     speed: float = 0.5
     lag: float = 0.0
+    length: float = 1.0
 
     def rest(self, key, position):
         del key

@@ -4,7 +4,13 @@ import math
 
 import numpy as np
 
-DT = 0.2  # [s]
+DT = 0.2  # [s] of the planar robots
+QUADROTOR_DT = 0.1  # [s]
+PANDA_DT = 0.05  # [s]
+MASS, GRAVITY, INERTIA = 0.2, 9.81, np.diag([0.01, 0.01, 0.02])
+PANDA_LOW = [-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]  # [rad]
+PANDA_HIGH = [2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973]  # [rad]
+PANDA_VELOCITY = [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61]  # [rad/s]
 
 
 def linear_step(state, action) -> np.ndarray:
@@ -29,7 +35,67 @@ def unicycle_step(state, action) -> np.ndarray:
     )
 
 
-STEPS = {"linear": linear_step, "unicycle": unicycle_step}
+def panda_step(state, action) -> np.ndarray:
+    """theta' = theta + omega dt within the joints' limits."""
+    omega = np.clip(np.asarray(action, float), -1, 1) * PANDA_VELOCITY
+    return np.clip(np.asarray(state, float) + omega * PANDA_DT, PANDA_LOW, PANDA_HIGH)
+
+
+def rotation(phi: float, theta: float, psi: float) -> np.ndarray:
+    """Rz(psi) Ry(theta) Rx(phi), the matrices as printed in App. A.2."""
+    about_x = [
+        [1, 0, 0],
+        [0, math.cos(phi), -math.sin(phi)],
+        [0, math.sin(phi), math.cos(phi)],
+    ]
+    about_y = [
+        [math.cos(theta), 0, math.sin(theta)],
+        [0, 1, 0],
+        [-math.sin(theta), 0, math.cos(theta)],
+    ]
+    about_z = [
+        [math.cos(psi), -math.sin(psi), 0],
+        [math.sin(psi), math.cos(psi), 0],
+        [0, 0, 1],
+    ]
+    return np.array(about_z) @ np.array(about_y) @ np.array(about_x)
+
+
+def quadrotor_fly(state, forces) -> np.ndarray:
+    """The equations of App. A.2 under motor forces (front, right, back, left) in [N]."""
+    p, v, angles, omega = np.split(np.asarray(state, float), 4)
+    e3 = np.array([0.0, 0.0, 1.0])
+    offsets = 0.17 * np.array([[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
+    torque = np.sum(np.cross(offsets, -np.outer(forces, e3)), axis=0)
+    torque += 0.02 * np.array([1, -1, 1, -1]) @ np.asarray(forces) * e3
+    spin = np.linalg.inv(INERTIA) @ (torque - np.cross(omega, INERTIA @ omega))
+    pull = np.sum(forces) / MASS * rotation(*angles) @ e3
+    rates = [v, GRAVITY * e3 - pull, omega, spin]
+    return np.asarray(state, float) + QUADROTOR_DT * np.concatenate(rates)
+
+
+def quadrotor_step(state, action) -> np.ndarray:
+    """The inner loop's wishes for thrust and torques, solved for the forces, then `fly`."""
+    u = np.clip(np.asarray(action, float), -1, 1)
+    roll, pitch = state[6:8]
+    wx, wy, wz = state[9:12]
+    wanted = [
+        MASS * GRAVITY * (1 + 0.6 * u[0]),
+        0.01 * (25 * (0.6 * u[1] - roll) - 10 * wx),
+        0.01 * (25 * (0.6 * u[2] - pitch) - 10 * wy),
+        0.02 * 5 * (u[3] - wz),
+    ]
+    mixing = [[1, 1, 1, 1], [0, -0.17, 0, 0.17], [0.17, 0, -0.17, 0], [0.02, -0.02, 0.02, -0.02]]
+    forces = np.linalg.solve(mixing, wanted)
+    return quadrotor_fly(state, np.clip(forces, 0, 1))
+
+
+STEPS = {
+    "linear": linear_step,
+    "unicycle": unicycle_step,
+    "panda": panda_step,
+    "quadrotor": quadrotor_step,
+}
 
 
 def rollout(robot: str, initial, actions) -> np.ndarray:
