@@ -47,7 +47,7 @@ class Quadrotor:
         attitude_gains: Stiffness [1/s^2] and damping [1/s] of the inner loop in roll and pitch;
             critically damped in discrete time: both poles at 1/2.
         yaw_gain: Of the yaw rate, [1/s].
-        speed: Planning speed in [m/step], 3 m/s.
+        speed: Planning speed in [m/step], 3.5 m/s.
         lag: Steps that a leg may need on top of its distance.
         length: Length in [m] that features and rewards count as 1.
         placed_speed: Largest speed of a placed robot in [m/s].
@@ -67,7 +67,7 @@ class Quadrotor:
     max_yaw_rate: float = 1.0
     attitude_gains: tuple[float, float] = (25.0, 10.0)
     yaw_gain: float = 5.0
-    speed: float = 0.3
+    speed: float = 0.35
     lag: float = 4.0
     length: float = 1.0
     placed_speed: float = 3.0

@@ -1,15 +1,19 @@
 """One good order of visits for each of the ten formulas, written down by hand.
 
-The formulas are the same for all robots. A plan gives, for the latest choice of the outer
+The formulas of the planar robots are the same; those of the robots in space have other windows
+in tasks 8 and 9, and walls of their own names. A plan gives, for the latest choice of the outer
 variable (t1 = 7 or 10 in STL-01..05), when each visit may begin and how long it must last.
 """
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from scenes import Scene
 from tests.scenes.geometry import at, distance_from
 
-WALLS = {"B1", "B2", "B3", "B4"}
+WALLS = {2: {"B1", "B2", "B3", "B4"}, 3: {"W1", "W2", "W3", "W4", "W5", "W6"}}
+"""Walls around the workspace, by dimension."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,15 @@ PLANS: dict[int, list[Visit]] = {
     ],
     10: _keys(),
 }
+SPATIAL_PLANS = PLANS | {
+    8: [Visit("A1", 0, 90), Visit("A2", 40, 60), Visit("A3", 15, 30, stay=5, base=1)],
+    9: [
+        Visit("A1", 25, 30),
+        Visit("A2", 20, 28, stay=5, base=0),
+        Visit("A3", 10, 30, stay=5, base=1),
+        Visit("A4", 10, 30, stay=10, base=1),
+    ],
+}
 
 
 def number(scene: Scene) -> int:
@@ -68,36 +81,50 @@ def number(scene: Scene) -> int:
     return int(scene.name.rsplit("-", 1)[1])
 
 
+def plan_of(scene: Scene) -> list[Visit]:
+    """The plan of a shipped task."""
+    return (PLANS if scene.dimension == 2 else SPATIAL_PLANS)[number(scene)]
+
+
 def obstacles(scene: Scene) -> set[str]:
     """Regions that the formula forbids throughout: those that no plan visits or opens."""
-    plan = PLANS[number(scene)]
+    plan = plan_of(scene)
     visited = {visit.region for visit in plan}.union(*(visit.doors for visit in plan))
     return set(scene.region_names) - visited
 
 
-def leg_lengths(scene: Scene, start, clearance: float) -> list[float]:
-    """Lengths in [m] of the shortest ways start -> first center -> second center and so on."""
-    lengths, place = [], start
-    for visit in PLANS[number(scene)]:
-        field = distance_from(scene, visit.region, obstacles(scene) | visit.doors, clearance)
-        lengths.append(at(field, place))
-        place = scene.regions[scene.region_names.index(visit.region)].center
-    return lengths
+def leg_lengths(scene: Scene, starts, clearance: float, free: bool = False) -> np.ndarray:
+    """Lengths [S, legs] in [m] of the shortest ways start -> first center -> second and so on.
+
+    Args:
+        scene: a shipped task.
+        starts: points [S, d].
+        clearance: distance from obstacles in [m].
+        free: whether the obstacles are taken away.
+    """
+    lengths, places = [], list(starts)
+    for visit in plan_of(scene):
+        blocked = set() if free else obstacles(scene) | visit.doors
+        field = distance_from(scene, visit.region, blocked, clearance)
+        lengths.append([at(scene, field, place) for place in places])
+        center = scene.regions[scene.region_names.index(visit.region)].center
+        places = [center] * len(places)
+    return np.transpose(lengths)
 
 
-def needed_speed(scene: Scene, lengths: list[float]) -> float:
+def needed_speed(scene: Scene, lengths) -> float:
     """Least constant speed in [m/step] at which the plan keeps all its deadlines."""
     low, high = 0.0, 20.0
     for _ in range(30):
         middle = (low + high) / 2
-        if _feasible(PLANS[number(scene)], lengths, middle):
+        if _feasible(plan_of(scene), lengths, middle):
             high = middle
         else:
             low = middle
     return high
 
 
-def _feasible(plan: list[Visit], lengths: list[float], speed: float) -> bool:
+def _feasible(plan: list[Visit], lengths, speed: float) -> bool:
     entries: list[float] = []
     free = 0.0
     for visit, length in zip(plan, lengths, strict=True):

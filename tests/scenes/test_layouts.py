@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,46 +10,29 @@ import pytest
 from core.stl import atom_names, horizon, parse
 from envs import ENVS
 from scenes import load_task, task_names
-from tests.scenes.geometry import margins_table, separation
-from tests.scenes.plans import PLANS, WALLS, leg_lengths, needed_speed, number, obstacles
+from tests.scenes.geometry import AXES, margins_table, separation
+from tests.scenes.plans import WALLS, leg_lengths, needed_speed, obstacles, plan_of
 
 TASKS = pytest.mark.parametrize("task", task_names())
+APPENDIX = Path(__file__).parents[1] / "core" / "stl" / "paper_formulas.txt"
+"""The appendix, A.8, in its own notation: a task's name and its formula a line."""
+
+GOAL_CLEARANCE = {"linear": 0.25, "unicycle": 0.35, "panda": 0.03, "quadrotor": 0.3}  # [m]
+PATH_CLEARANCE = {"linear": 0.25, "unicycle": 0.25, "panda": 0.03, "quadrotor": 0.3}  # [m]
+APART = {"linear": 0.5, "unicycle": 0.5, "panda": 0.05, "quadrotor": 0.4}  # [m]
+START_CLEARANCE = {"linear": 0.4, "unicycle": 0.4, "panda": 0.05, "quadrotor": 0.4}  # [m]
 
 
-def _always(low, high, names):
-    return "".join(rf" \land G_{{[{low}:{high}]}} (\neg {name})" for name in names.split())
-
-
-B5 = "B_1 B_2 B_3 B_4 B_5"
-PAPER = {
-    1: r"F_{[5:7]} ( F_{[50:85]} (A)" + _always(0, 90, "B_5 B_1 B_2 B_3 B_4") + ")",
-    2: r"F_{[5:10]} ( F_{[0:50]} (A) \land G_{[60:80]} (C)"
-    + _always(0, 90, "B_5 B_1 B_2 B_3 B_4")
-    + ")",
-    3: r"F_{[5:10]} ( F_{[0:50]} (A) \land F_{[40:60]} (C) \land G_{[70:80]} (D)"
-    + _always(0, 90, "B_5 B_0 B_1 B_2 B_3 B_4")
-    + ")",
-    4: r"F_{[5:10]} ( F_{[0:50]} (A) \land F_{[40:50]} (C) \land F_{[70:80]} (F)"
-    r" \land G_{[50:60]} (D)" + _always(0, 90, "B E B_1 B_2 B_3 B_4") + ")",
-    5: r"F_{[5:10]} ( F_{[0:30]} (A) \land F_{[30:50]} (C) \land F_{[70:80]} (F)"
-    r" \land F_{[75:88]} (H) \land G_{[50:60]} (D)" + _always(0, 90, "B E G B_1 B_2 B_3 B_4") + ")",
-    6: r"F_{[10:90]} (A)" + _always(0, 100, B5),
-    7: r"F_{[0:90]} (A_1) \land F_{[40:80]} (A_2)" + _always(0, 100, B5),
-    8: r"F_{[0:90]} (A_1) \land F_{[40:80]} ( A_2 \land F_{[10:20]} (G_{[0:10]} (A_3)) )"
-    + _always(0, 100, B5),
-    9: r"F_{[5:20]} ( A_1 \land F_{[10:20]} ( G_{[0:5]} (A_2) \land F_{[10:30]} (G_{[0:5]} (A_3))"
-    r" \land F_{[10:30]} (G_{[0:10]} (A_4)) ) )" + _always(0, 100, B5 + " B_6 B_7 B_8 B_9"),
-    10: r"(\neg D_1)U_{[0:100]}(K_1) \land (\neg D_2)U_{[0:100]}(K_2)"
-    r" \land (\neg D_3)U_{[0:100]}(K_3) \land F_{[80:90]} (G_{[0:5]} (G))" + _always(0, 100, B5),
-}
-"""The appendix, A.8, in its own notation."""
+def _papers_formula(task: str) -> str:
+    lines = dict(line.split(" ", 1) for line in APPENDIX.read_text("utf-8").splitlines())
+    return lines[task].strip(" $")
 
 
 @TASKS
 def test_formulas_are_the_papers(task):
     scene = load_task(task)
-    plain = PAPER[number(scene)].replace(r"\land", "&").replace(r"\neg", "!")
-    plain = re.sub(r"([ABDK])_(\d)", r"\1\2", plain.replace("{", "").replace("}", ""))
+    plain = _papers_formula(task).replace(r"\land", "&").replace(r"\neg", "!")
+    plain = re.sub(r"([ABDKW])_(\d)", r"\1\2", plain.replace("{", "").replace("}", ""))
     assert re.sub(r"\s", "", scene.formula) == re.sub(r"\s", "", plain)
 
 
@@ -65,42 +49,57 @@ def test_regions_keep_their_distances(task):
     scene = load_task(task)
     regions = {region.name: region for region in scene.regions}
     blocked = obstacles(scene)
-    goals = [regions[visit.region] for visit in PLANS[number(scene)]]
-    clearance = {"linear": 0.25, "unicycle": 0.35}[scene.robot]
+    goals = [regions[visit.region] for visit in plan_of(scene)]
     for goal, name in itertools.product(goals, blocked):
-        assert separation(goal, regions[name]) >= clearance - 1e-9, (goal.name, name)
+        assert separation(goal, regions[name]) >= GOAL_CLEARANCE[scene.robot] - 1e-9, (goal, name)
     for first, second in itertools.combinations([*goals, scene.initial], 2):
-        assert separation(first, second) >= 0.5, (first.name, second.name)
+        assert separation(first, second) >= APART[scene.robot], (first.name, second.name)
     for name in blocked:
-        assert separation(scene.initial, regions[name]) >= 0.4, name
+        assert separation(scene.initial, regions[name]) >= START_CLEARANCE[scene.robot], name
     for goal, name in itertools.product([*goals, scene.initial], set(regions) - blocked):
         assert name == goal.name or separation(goal, regions[name]) > 0.0, (goal.name, name)
 
 
 @TASKS
-def test_walls_close_the_arena(task):
+def test_walls_close_the_workspace(task):
     scene = load_task(task)
-    border = np.linspace(-5, 5, 101)
-    points = [(x, y) for x in border for y in (-5, 5)]
-    points += [(y, x) for x, y in points]
-    columns = [scene.region_names.index(name) for name in sorted(WALLS)]
-    assert (margins_table(scene, points)[:, columns].max(-1) >= -1e-12).all()
+    limits = ENVS[scene.robot].workspace
+    points = []
+    for axis, ends in enumerate(limits):
+        sides = [np.linspace(*limit, 41) for limit in limits]
+        sides[axis] = np.array(ends)
+        points.append(np.stack(np.meshgrid(*sides), -1).reshape(-1, len(limits)))
+    columns = [scene.region_names.index(name) for name in sorted(WALLS[scene.dimension])]
+    assert (margins_table(scene, np.concatenate(points))[:, columns].max(-1) >= -1e-12).all()
 
 
 @TASKS
 def test_deadlines_leave_a_quarter_of_the_time_from_every_corner(task):
-    """Shortest ways from center to center, 0.25 m clear of obstacles, at 75 % of the speed."""
+    """Shortest ways from center to center, clear of obstacles, at 75 % of the speed."""
     scene = load_task(task)
     speed = ENVS[scene.robot].speed
-    for signs in itertools.product((-1, 1), repeat=2):
-        start = np.add(scene.initial.center, np.multiply(signs, scene.initial.size))
-        lengths = leg_lengths(scene, start, clearance=0.25)
-        assert needed_speed(scene, lengths) <= 0.75 * speed, (start, lengths)
+    half = np.resize(scene.initial.size, scene.dimension)
+    corners = itertools.product((-1, 1), repeat=scene.dimension)
+    starts = [np.add(scene.initial.center, signs * half) for signs in corners]
+    for lengths in leg_lengths(scene, starts, PATH_CLEARANCE[scene.robot]):
+        assert needed_speed(scene, lengths) <= 0.75 * speed, lengths
+
+
+@TASKS
+def test_obstacles_are_in_the_way(task):
+    """Without them the ways of the plan are shorter, by more than the grid's resolution."""
+    scene = load_task(task)
+    starts = [scene.initial.center]
+    clearance = PATH_CLEARANCE[scene.robot]
+    blocked = leg_lengths(scene, starts, clearance).sum()
+    free = leg_lengths(scene, starts, clearance, free=True).sum()
+    axis = AXES[scene.robot][0]
+    assert blocked - free > axis[1] - axis[0], (blocked, free)
 
 
 def _straight_lines_are_blocked(scene):
     regions = {region.name: region for region in scene.regions}
-    plan = PLANS[number(scene)]
+    plan = plan_of(scene)
     stops = [scene.initial.center] + [regions[visit.region].center for visit in plan]
     names = scene.region_names
     for visit, start, end in zip(plan, stops, stops[1:], strict=False):
@@ -118,5 +117,6 @@ def test_straight_lines_are_blocked_in_most_tasks(robot):
 
 
 def test_robots_have_layouts_of_their_own():
-    for first, second in zip(task_names("linear"), task_names("unicycle"), strict=True):
-        assert load_task(first).regions[0].center != load_task(second).regions[0].center
+    for tasks in zip(*(task_names(robot) for robot in ENVS), strict=True):
+        centers = [load_task(task).regions[0].center for task in tasks]
+        assert len(set(centers)) == len(centers)
