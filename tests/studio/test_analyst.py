@@ -1,0 +1,81 @@
+"""The analyst with real, untrained networks."""
+
+import numpy as np
+import pytest
+
+from core.programs import fresh_learner
+from core.training import TrainingConfig
+from studio.analyst import Analyst, default_axes, initial_state
+from studio.worker import Stage, Training
+from tests.studio.waiting import wait_for
+
+
+@pytest.fixture(scope="module")
+def training(linear_task, small_algorithm):
+    learner = fresh_learner(linear_task, small_algorithm, seed=0)
+    config = TrainingConfig(small_algorithm)
+    return Training(Stage.TRAINING, linear_task, config, epoch=3, parameters=learner.parameters)
+
+
+@pytest.fixture(scope="module")
+def analyst(training):
+    analyst = Analyst()
+    analyst.observe(training)
+    yield analyst
+    analyst.close()
+
+
+def rolled_out(analyst, schedule):
+    before = analyst.recording
+    analyst.ask(schedule)
+    assert wait_for(lambda: analyst.recording is not before, 120), analyst.error
+    return analyst.recording
+
+
+def test_the_first_two_times_are_drawn(analyst, linear_task):
+    assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
+    picture = analyst.picture
+    assert picture.heatmap.axes == default_axes(linear_task) == (0, 1)
+    assert picture.subject.epoch == 3
+    assert np.isfinite(picture.heatmap.values).all()
+    variables = linear_task.grounding.decomposition.variables
+    assert all(v.low <= t <= v.high for v, t in zip(variables, picture.choice, strict=True))
+
+
+def test_other_axes_can_be_chosen(analyst):
+    analyst.choose_axes((2, 0))
+    assert wait_for(lambda: analyst.picture is not None and analyst.picture.heatmap.axes == (2, 0))
+    assert analyst.picture.heatmap.first.tolist() == list(range(10, 21))
+
+
+def test_a_schedule_is_rolled_out_from_the_centre(analyst, linear_task):
+    recording = rolled_out(analyst, (20, 50, 15))
+    assert recording.schedule == (20, 50, 15)
+    np.testing.assert_allclose(recording.states[0], initial_state(linear_task), atol=1e-6)
+    np.testing.assert_allclose(recording.states[0], (-3, -3), atol=1e-6)
+
+
+def test_schedules_make_a_difference(analyst):
+    one, other = rolled_out(analyst, (20, 50, 15)), rolled_out(analyst, (80, 45, 10))
+    assert np.abs(one.states - other.states).max() > 1e-4
+
+
+def test_without_a_schedule_the_critic_chooses(analyst):
+    assert rolled_out(analyst, None).schedule == analyst.picture.choice
+
+
+def test_an_error_is_kept_and_the_next_question_answered(analyst, capsys):
+    analyst.ask(("no", "number", "here"))
+    assert wait_for(lambda: analyst.error != "")
+    assert not analyst.busy
+    rolled_out(analyst, (20, 50, 15))
+    assert analyst.error == ""
+
+
+def test_before_any_weights_nothing_is_answered():
+    analyst = Analyst()
+    analyst.observe(Training())
+    analyst.ask((1, 2, 3))
+    assert not analyst.busy
+    analyst.close()
+    assert analyst.recording is None
