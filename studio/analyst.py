@@ -27,7 +27,7 @@ from studio.worker import Training
 ROLLOUTS = 8
 """Rollouts of the compiled program. A click needs one; the critic's choice is the best of 8."""
 
-PERIOD = 0.4
+PERIOD = 0.7
 """Least time between the starts of two heatmaps [s]."""
 
 
@@ -63,7 +63,8 @@ class Analyst:
         self.picture: Picture | None = None
         self.recording: Recording | None = None
         self.error = ""
-        self.axes: tuple[int, ...] = ()
+        self.axes: tuple[int, ...] | None = None
+        """Variables on the axes of the heatmap; None for the first that matter."""
         self._subject: Subject | None = None
         self._request: _Request | None = None
         self._closed = False
@@ -85,7 +86,7 @@ class Analyst:
         if known is not None and known.parameters is parameters:
             return
         if known is None or known.task is not task:
-            self.axes = default_axes(task)
+            self.axes = None
         self._subject = Subject(task, config.algorithm, training.epoch, parameters)
         self._wake.set()
 
@@ -104,7 +105,7 @@ class Analyst:
         """Drop the subject and all answers."""
         self._subject = self._request = None
         self.picture = self.recording = None
-        self.error, self.axes = "", ()
+        self.error, self.axes = "", None
 
     def close(self) -> None:
         """End the thread, waiting for the answer that is being worked out."""
@@ -113,7 +114,7 @@ class Analyst:
         self._thread.join(timeout=5)
 
     def _work(self) -> None:
-        drawn, due = (None, ()), 0.0
+        drawn, due = (None, None), 0.0
         while not self._closed:
             self._wake.wait(timeout=max(0.1, due - time.monotonic()))
             self._wake.clear()
@@ -152,9 +153,15 @@ class Analyst:
         self.error = ""
 
 
-def default_axes(task: Task) -> tuple[int, ...]:
-    """The first two time variables."""
-    return time_variables(task)[:2]
+def default_axes(task: Task, choice: tuple[int, ...]) -> tuple[int, ...]:
+    """The first two time variables that have an effect in the branches of a schedule."""
+    variables = task.grounding.decomposition.variables
+    matter = [
+        index
+        for index in time_variables(task)
+        if all(choice[branch] == value for branch, value in variables[index].guards)
+    ]
+    return tuple(matter[:2])
 
 
 def time_variables(task: Task) -> tuple[int, ...]:
@@ -170,13 +177,13 @@ def initial_state(task: Task) -> Array:
     return task.robot.rest(jax.random.key(0), jnp.asarray(center))
 
 
-def _draw(subject: Subject, axes: tuple[int, ...]) -> Picture:
+def _draw(subject: Subject, axes: tuple[int, ...] | None) -> Picture:
     """The heatmap over two variables, the others as the critic likes them best."""
-    state = initial_state(subject.task)
+    task = subject.task
+    state = initial_state(task)
     choice = _choice(subject, _programs(subject), state)
-    drawn = heatmap(
-        subject.task, subject.algorithm, subject.parameters, state, _padded(choice), axes
-    )
+    axes = default_axes(task, choice) if axes is None else axes
+    drawn = heatmap(task, subject.algorithm, subject.parameters, state, _padded(choice), axes)
     return Picture(subject, drawn, choice)
 
 

@@ -1,8 +1,10 @@
 """The page: one server, one session, panels and views, and the loop that draws them."""
 
+import io
 import threading
 import time
 import webbrowser
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Protocol
 
@@ -67,7 +69,8 @@ class Studio:
         """Stop drawing, training and serving."""
         self._closed.set()
         self.session.close()
-        self._server.stop()
+        with redirect_stdout(io.StringIO()):  # the library says so on stdout
+            self._server.stop()
 
 
 def serve(

@@ -5,7 +5,9 @@ import pytest
 
 from core.programs import fresh_learner
 from core.training import TrainingConfig
+from scenes import load_task
 from studio.analyst import Analyst, default_axes, initial_state
+from studio.tasks import build_task
 from studio.worker import Stage, Training
 from tests.studio.waiting import wait_for
 
@@ -35,11 +37,20 @@ def rolled_out(analyst, schedule):
 def test_the_first_two_times_are_drawn(analyst, linear_task):
     assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
     picture = analyst.picture
-    assert picture.heatmap.axes == default_axes(linear_task) == (0, 1)
+    assert picture.heatmap.axes == (0, 1)
     assert picture.subject.epoch == 3
     assert np.isfinite(picture.heatmap.values).all()
     variables = linear_task.grounding.decomposition.variables
     assert all(v.low <= t <= v.high for v, t in zip(variables, picture.choice, strict=True))
+
+
+def test_times_of_branches_not_taken_are_not_offered_first():
+    scene = load_task("linear-07")
+    task = build_task(scene, "F_[0:40](A1 & F_[0:50](A2)) | F_[0:60](G_[0:10](A2))")
+    names = [variable.name for variable in task.grounding.decomposition.variables]
+    assert names == ["b1", "t1", "t2", "t3"]
+    assert default_axes(task, (0, 5, 5, 5)) == (1, 2)
+    assert default_axes(task, (1, 5, 5, 5)) == (3,)
 
 
 def test_other_axes_can_be_chosen(analyst):
