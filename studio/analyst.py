@@ -107,11 +107,12 @@ class Analyst:
         self.picture = self.recording = None
         self.error, self.axes = "", None
 
-    def close(self) -> None:
-        """End the thread, waiting for the answer that is being worked out."""
+    def close(self) -> bool:
+        """End the thread; whether it has ended, as it does not while it compiles."""
         self._closed = True
         self._wake.set()
-        self._thread.join(timeout=5)
+        self._thread.join(timeout=3)
+        return not self._thread.is_alive()
 
     def _work(self) -> None:
         drawn, due = (None, None), 0.0
