@@ -27,6 +27,9 @@ from studio.worker import Training
 ROLLOUTS = 8
 """Rollouts of the compiled program. A click needs one; the critic's choice is the best of 8."""
 
+SHORTFALL_PENALTY = 10.0
+"""Value that a step too short to travel costs a schedule, as in `core.rollout`."""
+
 PERIOD = 0.7
 """Least time between the starts of two heatmaps [s]."""
 
@@ -135,17 +138,16 @@ class Analyst:
 
     def _answer(self, subject: Subject, request: _Request) -> None:
         """Roll out, unless a newer request has come meanwhile."""
-        programs = _programs(subject)
-        state = initial_state(subject.task)
         schedule = request.schedule
         if schedule is None:
-            schedule = _choice(subject, programs, state)
-        padded = _padded(schedule)
-        rollout = programs.roll_out(
+            if self.picture is None or self.picture.subject is not subject:
+                self.picture = _draw(subject, self.axes)
+            schedule = self.picture.choice
+        rollout = _programs(subject).roll_out(
             subject.task.problem,
             subject.parameters,
-            _repeated(state),
-            _repeated(jnp.asarray(padded)),
+            _repeated(initial_state(subject.task)),
+            _repeated(jnp.asarray(_padded(schedule))),
         )
         states, margins = np.asarray(rollout.states)[:, 0], np.asarray(rollout.margins)[:, 0]
         self.recording = record(subject.task, schedule, states, margins)
@@ -185,7 +187,14 @@ def _draw(subject: Subject, axes: tuple[int, ...] | None) -> Picture:
     choice = _choice(subject, _programs(subject), state)
     axes = default_axes(task, choice) if axes is None else axes
     drawn = heatmap(task, subject.algorithm, subject.parameters, state, _padded(choice), axes)
-    return Picture(subject, drawn, choice)
+    return Picture(subject, drawn, best_cell(drawn, subject.algorithm.prune)[: len(choice)])
+
+
+def best_cell(drawn: Heatmap, prune: bool) -> tuple[int, ...]:
+    """Schedule [V] of the cell that the critic likes best."""
+    score = drawn.values - (SHORTFALL_PENALTY * drawn.shortfall if prune else 0.0)
+    row, column = np.unravel_index(np.nan_to_num(score, nan=-np.inf).argmax(), score.shape)
+    return tuple(int(value) for value in drawn.schedule_at(int(row), int(column)))
 
 
 def _programs(subject: Subject) -> EvaluationPrograms:
@@ -193,6 +202,7 @@ def _programs(subject: Subject) -> EvaluationPrograms:
 
 
 def _choice(subject: Subject, programs: EvaluationPrograms, state: Array) -> tuple[int, ...]:
+    """The best of the schedules that the critic is offered in an evaluation."""
     schedules, values = programs.choose(
         subject.task.problem, subject.parameters, jax.random.key(0), _repeated(state)
     )

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from core.heatmap import Heatmap
 from core.programs import fresh_learner
 from core.training import TrainingConfig
 from scenes import load_task
-from studio.analyst import Analyst, default_axes, initial_state
+from studio.analyst import Analyst, best_cell, default_axes, initial_state
 from studio.tasks import build_task
 from studio.worker import Stage, Training
 from tests.studio.waiting import wait_for
@@ -42,6 +43,27 @@ def test_the_first_two_times_are_drawn(analyst, linear_task):
     assert np.isfinite(picture.heatmap.values).all()
     variables = linear_task.grounding.decomposition.variables
     assert all(v.low <= t <= v.high for v, t in zip(variables, picture.choice, strict=True))
+
+
+def test_the_choice_is_the_best_cell(analyst):
+    assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
+    picture = analyst.picture
+    score = picture.heatmap.values - 10 * picture.heatmap.shortfall
+    row, column = np.unravel_index(score.argmax(), score.shape)
+    assert picture.choice == tuple(picture.heatmap.schedule_at(row, column)[:3])
+
+
+def test_broken_values_are_not_chosen():
+    map_ = Heatmap(
+        (0,),
+        np.arange(3),
+        np.zeros(1, np.int32),
+        np.array([[1.0, np.nan, 5.0]]),
+        np.array([[0.0, 0.0, 0.5]]),
+        np.zeros(8, np.int32),
+    )
+    assert best_cell(map_, prune=True)[0] == 0
+    assert best_cell(map_, prune=False)[0] == 2
 
 
 def test_times_of_branches_not_taken_are_not_offered_first():
