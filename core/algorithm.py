@@ -11,6 +11,10 @@ ModeName = Literal["studio", "paper"]
 MethodName = Literal["tgpo", "tgpo-star"]
 
 
+SHORTFALL_PENALTY = 10.0
+"""Value that a step of shortfall takes off a schedule, about half a subgoal's reward."""
+
+
 @dataclass(frozen=True)
 class Algorithm:
     """One method in one mode: TGPO* of the studio by default."""
@@ -47,6 +51,13 @@ class Algorithm:
     """Planned duration of a leg over the shortest possible one."""
     choice_candidates: int = 64
     """Schedules that the critic chooses from at inference."""
+
+    def preference(self, value, shortfall):
+        """By which schedules are sampled and chosen: V(s_0, t), less for legs that are too short.
+
+        Works on arrays of both; the shortfall [steps] counts only where schedules are pruned.
+        """
+        return value - SHORTFALL_PENALTY * shortfall if self.prune else value
 
     @property
     def count_mcmc(self) -> int:

@@ -142,9 +142,7 @@ def require_finite(parameters: Any, what: str) -> None:
     """
     for name, leaf in _named_leaves(parameters).items():
         if not np.isfinite(np.asarray(leaf)).all():
-            raise DivergedError(
-                f"{what}: the weights {name!r} hold numbers that are not finite"
-            )
+            raise DivergedError(f"{what}: the weights {name!r} hold numbers that are not finite")
 
 
 def write_atomically(path: Path, data: bytes) -> None:

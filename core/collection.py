@@ -64,7 +64,7 @@ def mixed_schedules(
 
         def log_density(schedules):
             value, shortfall = score_schedules(setting, problem, parameters, at, schedules)
-            return value - (10.0 * shortfall if algorithm.prune else 0.0)
+            return algorithm.preference(value, shortfall)
 
         result = metropolis_hastings(
             log_density,

@@ -196,8 +196,7 @@ def choose_schedules(
         jnp.repeat(states, candidates, axis=0),
         dealt.reshape(count * candidates, -1),
     )
-    if setting.algorithm.prune:
-        value = value - 10.0 * shortfall
+    value = setting.algorithm.preference(value, shortfall)
     value = value.reshape(count, candidates)
     best = value.argmax(1)
     row = jnp.arange(count)

@@ -182,8 +182,9 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
     if version != FORMAT or isinstance(version, bool):
         given = "is missing" if version is None else f"{version!r} is not known"
         raise SceneError(f"format: {given}; this program reads format = {FORMAT}")
-    _check_fields(table, _SCENE_FIELDS, ("format",), "")
-    rows = table["regions"]
+    required = tuple(field for field in _SCENE_FIELDS if field != "regions")
+    _check_fields(table, required, ("format", "regions"), "")
+    rows = table.get("regions", {})
     if not isinstance(rows, dict):
         raise SceneError("regions: must be tables [regions.NAME]")
     regions = tuple(_region_from(name, row, f"regions.{name}") for name, row in rows.items())

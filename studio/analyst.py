@@ -27,7 +27,10 @@ from studio.worker import Training
 ROLLOUTS = 8
 """Rollouts of the compiled program. A click needs one; the critic's choice is the best of 8."""
 
-PERIOD = 0.4
+SHORTFALL_PENALTY = 10.0
+"""Value that a step too short to travel costs a schedule, as in `core.rollout`."""
+
+PERIOD = 0.7
 """Least time between the starts of two heatmaps [s]."""
 
 
@@ -63,7 +66,8 @@ class Analyst:
         self.picture: Picture | None = None
         self.recording: Recording | None = None
         self.error = ""
-        self.axes: tuple[int, ...] = ()
+        self.axes: tuple[int, ...] | None = None
+        """Variables on the axes of the heatmap; None for the first that matter."""
         self._subject: Subject | None = None
         self._request: _Request | None = None
         self._closed = False
@@ -85,7 +89,7 @@ class Analyst:
         if known is not None and known.parameters is parameters:
             return
         if known is None or known.task is not task:
-            self.axes = default_axes(task)
+            self.axes = None
         self._subject = Subject(task, config.algorithm, training.epoch, parameters)
         self._wake.set()
 
@@ -104,16 +108,17 @@ class Analyst:
         """Drop the subject and all answers."""
         self._subject = self._request = None
         self.picture = self.recording = None
-        self.error, self.axes = "", ()
+        self.error, self.axes = "", None
 
-    def close(self) -> None:
-        """End the thread, waiting for the answer that is being worked out."""
+    def close(self) -> bool:
+        """End the thread; whether it has ended, as it does not while it compiles."""
         self._closed = True
         self._wake.set()
-        self._thread.join(timeout=5)
+        self._thread.join(timeout=3)
+        return not self._thread.is_alive()
 
     def _work(self) -> None:
-        drawn, due = (None, ()), 0.0
+        drawn, due = (None, None), 0.0
         while not self._closed:
             self._wake.wait(timeout=max(0.1, due - time.monotonic()))
             self._wake.clear()
@@ -133,17 +138,16 @@ class Analyst:
 
     def _answer(self, subject: Subject, request: _Request) -> None:
         """Roll out, unless a newer request has come meanwhile."""
-        programs = _programs(subject)
-        state = initial_state(subject.task)
         schedule = request.schedule
         if schedule is None:
-            schedule = _choice(subject, programs, state)
-        padded = _padded(schedule)
-        rollout = programs.roll_out(
+            if self.picture is None or self.picture.subject is not subject:
+                self.picture = _draw(subject, self.axes)
+            schedule = self.picture.choice
+        rollout = _programs(subject).roll_out(
             subject.task.problem,
             subject.parameters,
-            _repeated(state),
-            _repeated(jnp.asarray(padded)),
+            _repeated(initial_state(subject.task)),
+            _repeated(jnp.asarray(_padded(schedule))),
         )
         states, margins = np.asarray(rollout.states)[:, 0], np.asarray(rollout.margins)[:, 0]
         self.recording = record(subject.task, schedule, states, margins)
@@ -152,9 +156,15 @@ class Analyst:
         self.error = ""
 
 
-def default_axes(task: Task) -> tuple[int, ...]:
-    """The first two time variables."""
-    return time_variables(task)[:2]
+def default_axes(task: Task, choice: tuple[int, ...]) -> tuple[int, ...]:
+    """The first two time variables that have an effect in the branches of a schedule."""
+    variables = task.grounding.decomposition.variables
+    matter = [
+        index
+        for index in time_variables(task)
+        if all(choice[branch] == value for branch, value in variables[index].guards)
+    ]
+    return tuple(matter[:2])
 
 
 def time_variables(task: Task) -> tuple[int, ...]:
@@ -170,14 +180,21 @@ def initial_state(task: Task) -> Array:
     return task.robot.rest(jax.random.key(0), jnp.asarray(center))
 
 
-def _draw(subject: Subject, axes: tuple[int, ...]) -> Picture:
+def _draw(subject: Subject, axes: tuple[int, ...] | None) -> Picture:
     """The heatmap over two variables, the others as the critic likes them best."""
-    state = initial_state(subject.task)
+    task = subject.task
+    state = initial_state(task)
     choice = _choice(subject, _programs(subject), state)
-    drawn = heatmap(
-        subject.task, subject.algorithm, subject.parameters, state, _padded(choice), axes
-    )
-    return Picture(subject, drawn, choice)
+    axes = default_axes(task, choice) if axes is None else axes
+    drawn = heatmap(task, subject.algorithm, subject.parameters, state, _padded(choice), axes)
+    return Picture(subject, drawn, best_cell(drawn, subject.algorithm.prune)[: len(choice)])
+
+
+def best_cell(drawn: Heatmap, prune: bool) -> tuple[int, ...]:
+    """Schedule [V] of the cell that the critic likes best."""
+    score = drawn.values - (SHORTFALL_PENALTY * drawn.shortfall if prune else 0.0)
+    row, column = np.unravel_index(np.nan_to_num(score, nan=-np.inf).argmax(), score.shape)
+    return tuple(int(value) for value in drawn.schedule_at(int(row), int(column)))
 
 
 def _programs(subject: Subject) -> EvaluationPrograms:
@@ -185,6 +202,7 @@ def _programs(subject: Subject) -> EvaluationPrograms:
 
 
 def _choice(subject: Subject, programs: EvaluationPrograms, state: Array) -> tuple[int, ...]:
+    """The best of the schedules that the critic is offered in an evaluation."""
     schedules, values = programs.choose(
         subject.task.problem, subject.parameters, jax.random.key(0), _repeated(state)
     )

@@ -1,8 +1,13 @@
 """The page: one server, one session, panels and views, and the loop that draws them."""
 
+import io
+import os
+import sys
 import threading
 import time
+import traceback
 import webbrowser
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Protocol
 
@@ -60,14 +65,26 @@ class Studio:
             began = time.monotonic()
             self.session.tick(began)
             for drawable in self._drawables:
-                drawable.draw(self.session)
+                self._draw(drawable)
             self._closed.wait(max(0.0, began + FRAME - time.monotonic()))
 
-    def close(self) -> None:
-        """Stop drawing, training and serving."""
+    def _draw(self, drawable: Drawable) -> None:
+        """Draw; a defect of one panel is shown and must not take the others with it."""
+        try:
+            drawable.draw(self.session)
+        except Exception as error:  # noqa: BLE001
+            text = f"{type(drawable).__name__}: {type(error).__name__}: {error}"
+            if self.session.error != text:
+                traceback.print_exc()
+                self.session.error = text
+
+    def close(self) -> bool:
+        """Stop drawing, training and serving; whether all threads have ended."""
         self._closed.set()
-        self.session.close()
-        self._server.stop()
+        ended = self.session.close()
+        with redirect_stdout(io.StringIO()):  # the library says so on stdout
+            self._server.stop()
+        return ended
 
 
 def serve(
@@ -99,9 +116,13 @@ def serve(
     try:
         studio.run()
     except KeyboardInterrupt:
-        print("\nGood-bye.")
+        print("\nEnded.")
     finally:
-        studio.close()
+        ended = studio.close()
+    if not ended:
+        # A thread compiles, for tens of seconds perhaps; the interpreter would wait for it.
+        sys.stdout.flush()
+        os._exit(0)
 
 
 def opened_scene(task: str | None, scene: str | None) -> Scene:

@@ -88,7 +88,7 @@ def make_controller(task: Task, algorithm: Algorithm, parameters: Parameters) ->
 
     def score(x0: Array, t: Array) -> Array:
         value, short = score_schedules(setting, problem, parameters, x0[None], pad(t)[None])
-        return (value - 10.0 * short)[0] if algorithm.prune else value[0]
+        return algorithm.preference(value, short)[0]
 
     def start(x0: Array, t: Array) -> tuple[Array, ...]:
         def first() -> Episode:
@@ -110,9 +110,7 @@ def make_controller(task: Task, algorithm: Algorithm, parameters: Parameters) ->
     return Controller(score, start, step)
 
 
-def export_controller(
-    task: Task, algorithm: Algorithm, parameters: Parameters
-) -> dict[str, bytes]:
+def export_controller(task: Task, algorithm: Algorithm, parameters: Parameters) -> dict[str, bytes]:
     """StableHLO programs `score`, `start` and `step`, serialized by `jax.export`.
 
     Matrix products are asked for in full precision, so that a GPU gives the CPU's actions.

@@ -13,7 +13,8 @@ from scenes import Scene, load_scene, load_task, task_names
 from studio.bundle import METADATA, load_bundle
 from studio.documents import plain
 from studio.reporting import Reporter, make_reporter
-from studio.runs import Run, default_folder, make_config
+from studio.run_config import make_config
+from studio.runs import Run, default_folder
 from studio.stopping import StopRequest, abort_process
 from studio.tasks import build_task
 

@@ -65,8 +65,7 @@ class Session:
                 break
             self._apply(change)
         if self._draft is not None and now >= self._draft[1]:
-            text, self._draft = self._draft[0], None
-            self.specification = edited(self.specification, text)
+            self._apply(self._judge)
         self._pass_on()
         self.player.tick(now)
 
@@ -88,9 +87,7 @@ class Session:
 
     def train(self) -> None:
         """Start training on the formula in the editor, if it is right."""
-        if self._draft is not None:
-            self.specification = edited(self.specification, self._draft[0])
-            self._draft = None
+        self._judge()
         specification = self.specification
         if specification.error or specification.task is None:
             raise UserError("Training needs a formula without errors.")
@@ -100,10 +97,15 @@ class Session:
         config = self._make_config(specification.scene, self.time_limit)
         self.trainer.start(specification.task, config)
 
-    def close(self) -> None:
-        """End the threads."""
-        self.trainer.close()
-        self.analyst.close()
+    def close(self) -> bool:
+        """End the threads; whether all have ended."""
+        return all([self.trainer.close(), self.analyst.close()])
+
+    def _judge(self) -> None:
+        """Take the formula that was typed last."""
+        if self._draft is not None:
+            text, self._draft = self._draft[0], None
+            self.specification = edited(self.specification, text)
 
     def _apply(self, change: Callable[[], None]) -> None:
         try:

@@ -106,11 +106,12 @@ class Trainer:
             self._job = None
             self.snapshot = Training()
 
-    def close(self) -> None:
-        """Stop and end the thread, waiting for the epoch that runs."""
+    def close(self) -> bool:
+        """Stop and end the thread; whether it has ended, as it does not while it compiles."""
         self.stop()
         self._jobs.put(None)
-        self._thread.join(timeout=5)
+        self._thread.join(timeout=3)
+        return not self._thread.is_alive()
 
     def _work(self) -> None:
         while (job := self._jobs.get()) is not None:

@@ -107,8 +107,8 @@ def test_same_seed_same_weights_other_seed_others():
 def test_nothing_compiles_for_another_formula_scene_or_seed(mode):
     compiled = []
 
-    def listen(event, duration, **_):
-        del duration
+    def listen(event: str, duration_secs: float, **_: str | int | float) -> None:
+        del duration_secs
         if "backend_compile" in event:
             compiled.append(event)
 

@@ -1,6 +1,6 @@
 from core.monitor.explain import Diagnosis, diagnose, explain
 from core.monitor.leaves import LeafStatus, leaf_status
-from core.monitor.signals import FailureSignals, Signals
+from core.monitor.signals import FailureSignals, Signals, with_children
 from core.monitor.table import MonitorRow, monitor_rows
 
 __all__ = [
@@ -13,4 +13,5 @@ __all__ = [
     "explain",
     "leaf_status",
     "monitor_rows",
+    "with_children",
 ]

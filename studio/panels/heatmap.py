@@ -63,6 +63,8 @@ class HeatmapPanel:
             self._offer_axes(None)
             return
         self._offer_axes(picture.subject.task)
+        if session.analyst.axes is None:
+            self._show_axes(picture)
         shown = None if recording is None else recording.schedule
         self._map.show(self._content(picture, shown))
 
@@ -93,11 +95,14 @@ class HeatmapPanel:
             return
         self._task = task
         times = () if task is None else time_variables(task)
-        for chooser, axis in zip(self._axes, times, strict=False):
-            chooser.options = [_name(task, index) for index in times]
-            chooser.value = _name(task, axis)
         for chooser in self._axes:
             chooser.visible = len(times) > 2
+            if times:
+                chooser.options = [_name(task, index) for index in times]
+
+    def _show_axes(self, picture: Picture) -> None:
+        for chooser, axis in zip(self._axes, picture.heatmap.axes, strict=False):
+            chooser.value = _name(picture.subject.task, axis)
 
     def _choose_axes(self) -> None:
         task = self._task

@@ -1,5 +1,6 @@
 """Start and stop, and how learning goes."""
 
+import math
 import time
 from functools import partial
 
@@ -7,6 +8,7 @@ import numpy as np
 import viser
 from viser import uplot
 
+from core.training import TrainingConfig
 from studio.panels.html import Html, note
 from studio.session import Session
 from studio.worker import Point, Stage, Training
@@ -161,8 +163,7 @@ def _sentence(training: Training) -> str:
             waited = time.monotonic() - training.began
             return f"Preparing the programs… {waited:.0f} s (once for each robot)"
         case Stage.TRAINING if config is not None:
-            left = max(0.0, config.time_limit - training.seconds)
-            return f"Training… ends at {100 * config.target:g} % success, in {left:.0f} s at most"
+            return f"Training… {_remaining(training, config)} left at most{_goal(config)}"
         case Stage.STOPPED:
             return "Stopped. The best policy so far is kept."
         case Stage.FAILED:
@@ -170,6 +171,16 @@ def _sentence(training: Training) -> str:
         case _:
             reached = config is not None and (training.success or 0) >= config.target
             return "Done." if reached else "Done: the limit was reached before the target."
+
+
+def _remaining(training: Training, config: TrainingConfig) -> str:
+    if math.isfinite(config.time_limit):
+        return f"{max(0.0, config.time_limit - training.seconds):.0f} s"
+    return f"{config.epochs - training.epoch:,} epochs"
+
+
+def _goal(config: TrainingConfig) -> str:
+    return f"; ends at {100 * config.target:g} % success" if config.target <= 1 else ""
 
 
 def _stale(session: Session) -> str:

@@ -135,5 +135,5 @@ def test_advantages_by_their_definition(trace):
             for k in range(t, steps):
                 expected[t, n] += factor * delta[k, n]
                 factor *= gamma * trace * (1 - ended[k, n])
-    found = advantages(*map(jnp.asarray, (reward, value, ended)), gamma, trace)
+    found = advantages(jnp.asarray(reward), jnp.asarray(value), jnp.asarray(ended), gamma, trace)
     np.testing.assert_allclose(found, expected, atol=1e-4)

@@ -93,12 +93,12 @@ def test_a_flaw_is_reported_with_the_file_and_the_field(tmp_path, old, new, mess
 
 
 @pytest.mark.parametrize(
-    "field", ["name", "title", "robot", "horizon", "seed", "formula", "initial", "regions"]
+    "field", ["name", "title", "robot", "horizon", "seed", "formula", "initial"]
 )
 def test_each_missing_field_is_named(field):
     lines = format_scene(parse_scene(TEXT, "here")).splitlines()
-    if field in ("initial", "regions"):
-        start = next(i for i, line in enumerate(lines) if line.startswith(f"[{field}"))
+    if field == "initial":
+        start = lines.index("[initial]")
         del lines[start : start + 4]
     else:
         lines = [line for line in lines if not line.startswith(f"{field} =")]

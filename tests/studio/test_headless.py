@@ -16,7 +16,7 @@ import pytest
 from rich.console import Console
 
 from core.training import TrainingConfig, train
-from studio import headless, runs
+from studio import headless, run_config
 from studio.cli import main
 from studio.reporting import BarReporter, LineReporter, make_reporter, seconds_left
 from studio.stopping import StopRequest
@@ -32,8 +32,8 @@ LAST_LINE = [
 @pytest.fixture
 def here(tmp_path, monkeypatch, disk_cache):
     """An empty working directory, and algorithms that are small."""
-    original = runs.make_algorithm
-    monkeypatch.setattr(runs, "make_algorithm", lambda *given: shrink(original(*given)))
+    original = run_config.make_algorithm
+    monkeypatch.setattr(run_config, "make_algorithm", lambda *given: shrink(original(*given)))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -158,24 +158,23 @@ def test_a_full_disk_in_the_middle_is_told_and_can_be_resumed(here, capsys, monk
 # What the command does, with a small algorithm.
 COMMAND = """
 import sys
-from studio import runs
+from studio import run_config
 from tests.small import shrink
-original = runs.make_algorithm
-runs.make_algorithm = lambda *given: shrink(original(*given))
+original = run_config.make_algorithm
+run_config.make_algorithm = lambda *given: shrink(original(*given))
 from studio.cli import main
 sys.exit(main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_stops_cleanly(tmp_path, number, disk_cache):
+def test_ctrl_c_stops_cleanly(tmp_path, disk_cache):
     arguments = ["--train-only", "--task", "linear-08", "--target", "2", "--epochs", "100000"]
     command = [sys.executable, "-c", COMMAND, *arguments, "--out", str(tmp_path / "x")]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, cwd=ROOT, stdout=pipe, stderr=pipe, text=True) as process:
         assert process.stdout is not None
         first = json.loads(process.stdout.readline())
-        process.send_signal(number)
+        process.send_signal(signal.SIGINT)
         rest, errors = process.communicate()
     assert process.returncode == 0, errors
     last = json.loads(rest.splitlines()[-1])
@@ -208,14 +207,17 @@ def test_the_second_signal_aborts_in_the_middle_of_an_epoch():
         assert process.wait() == 130
 
 
-def test_signals_are_given_back():
+@pytest.mark.parametrize(
+    ("first", "second"), [(signal.SIGINT, signal.SIGTERM), (signal.SIGTERM, signal.SIGINT)]
+)
+def test_the_first_signal_asks_and_the_second_aborts(first, second):
     asked, aborted = threading.Event(), threading.Event()
     before = signal.getsignal(signal.SIGINT)
     with StopRequest(asked.set, lambda number: aborted.set()) as stop:
         assert not stop.requested
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(first)
         assert asked.wait(30) and stop.requested and not aborted.is_set()
-        signal.raise_signal(signal.SIGTERM)
+        signal.raise_signal(second)
         assert aborted.wait(30)
     assert signal.getsignal(signal.SIGINT) is before
 

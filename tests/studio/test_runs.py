@@ -19,7 +19,8 @@ from core.training import TrainingConfig, fresh_state, train
 from scenes import load_task
 from studio import runs
 from studio.bundle import load_bundle
-from studio.runs import Run, RunConfig, RunError, best_parameters, default_folder, read_config
+from studio.run_config import RunConfig, RunError, make_config, read_config
+from studio.runs import Run, best_parameters, default_folder
 
 
 @pytest.fixture(scope="session")
@@ -293,4 +294,4 @@ def test_a_folder_without_a_run_is_refused(tmp_path):
 def test_bad_budgets_are_refused(budget):
     (name,) = budget
     with pytest.raises(RunError, match=f"{name}: .* must be "):
-        runs.make_config(load_task("linear-01"), **budget)
+        make_config(load_task("linear-01"), **budget)

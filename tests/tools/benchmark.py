@@ -159,7 +159,7 @@ def benchmark_modes(tasks: list[str], seconds: float, seed: int) -> None:
 
 def main() -> None:
     """Parse the command line and run one benchmark."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
     parser.add_argument("what", choices=("train", "compile", "modes"))
     parser.add_argument("--tasks", nargs="+", default=["linear", "unicycle"])
     parser.add_argument("--seeds", nargs="+", type=int, default=[1007, 1008, 1009])

@@ -1,0 +1,91 @@
+"""Which edits of a scene make what was learnt on it stale.
+
+Learning depends on the robot, the formula, the shapes of the regions that the formula names, the
+initial set and the length of an episode. It does not depend on titles, colours, regions that the
+formula does not name, how the formula is spelt, or what the regions are called; the seed decides
+only which of many equally good trainings is run.
+"""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from core.errors import UserError
+from core.monitor import with_children
+from core.stl import Atom, Formula, atom_names, children, horizon, parse, quote_name
+from envs import ENVS
+from scenes import Region, Scene
+
+Shape = tuple[str, tuple[float, ...], tuple[float, ...]]
+"""Kind, center [m] and size [m] of a region."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """All of a scene that learning depends on.
+
+    Attributes:
+        robot: its name.
+        formula: the formula over `0`, `1`, ... instead of names; its text if it cannot be read.
+        steps: of an episode, max(T, horizon of the formula).
+        shapes: of the regions that the formula names, in the order of first appearance; of all
+            regions, if it cannot be read.
+        initial: shape of the initial set.
+        names: of the regions in `shapes`.
+    """
+
+    robot: str
+    formula: Formula | str
+    steps: int
+    shapes: tuple[Shape, ...]
+    initial: Shape
+    names: tuple[str, ...] = field(compare=False)
+
+
+@lru_cache(maxsize=64)
+def meaning(scene: Scene) -> Meaning:
+    """Extract what learning depends on."""
+    names = scene.region_names
+    shapes = {region.name: _shape(region) for region in scene.regions}
+    try:
+        read = parse(scene.formula, dt=ENVS[scene.robot].dt, names=names)
+    except UserError:
+        formula, used, steps = scene.formula, names, scene.horizon
+    else:
+        used, steps = atom_names(read), max(scene.horizon, horizon(read))
+        formula = _numbered(read, {name: str(index) for index, name in enumerate(used)})
+    found = tuple(shapes[name] for name in used)
+    return Meaning(scene.robot, formula, steps, found, _shape(scene.initial), used)
+
+
+def differences(trained: Scene, scene: Scene) -> tuple[str, ...]:
+    """Say what makes a training on one scene stale for another; nothing if it is not.
+
+    Returns:
+        Noun phrases, such as `the formula`, `region A1`, `the initial set`.
+    """
+    then, now = meaning(trained), meaning(scene)
+    found = []
+    if then.robot != now.robot:
+        found.append("the robot")
+    if then.formula != now.formula:
+        found.append("the formula")
+    else:
+        if then.steps != now.steps:
+            found.append("the horizon")
+        pairs = zip(now.names, then.shapes, now.shapes, strict=False)
+        found += [f"region {quote_name(name)}" for name, old, new in pairs if old != new]
+    if then.initial != now.initial:
+        found.append("the initial set")
+    if then != now and not found:
+        found.append("the regions")
+    return tuple(found)
+
+
+def _numbered(formula: Formula, numbers: dict[str, str]) -> Formula:
+    if isinstance(formula, Atom):
+        return Atom(numbers[formula.name])
+    return with_children(formula, tuple(_numbered(part, numbers) for part in children(formula)))
+
+
+def _shape(region: Region) -> Shape:
+    return region.kind, region.center, region.size

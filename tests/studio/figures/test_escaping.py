@@ -1,0 +1,94 @@
+"""Nothing that a person named reaches the page as markup: viser's HTML runs event handlers."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from studio.figures.tables import abbreviation_list, task_table
+from studio.figures.timeline import timeline_svg
+from studio.figures.tree import tree_svg
+from studio.panels.formula import _reading
+from studio.panels.html import note
+from studio.panels.rollout import verdict_html
+from studio.panels.task import _about
+from studio.recording import record
+from studio.specification import edited, specify
+from tests.studio.conftest import EVIL
+
+
+class _Tags(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.tags, self.handlers, self.text = set(), [], ""
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.add(tag)
+        self.handlers += [name for name, _ in attrs if name.startswith("on")]
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def parsed(html):
+    parser = _Tags()
+    parser.feed(html)
+    parser.close()
+    return parser
+
+
+@pytest.fixture
+def specification(evil_scene):
+    specification = specify(evil_scene)
+    assert specification.error == ""
+    return specification
+
+
+@pytest.fixture
+def recording(specification):
+    task = specification.task
+    margins = np.full((task.steps + 1, 32), -1.0)
+    return record(task, (10, 50), np.zeros((task.steps + 1, 2)), margins)
+
+
+@pytest.fixture
+def pieces(specification, recording):
+    decomposition = specification.decomposition
+    wrong = edited(specification, f'F_[0:90]("{EVIL}" &')
+    unknown = edited(specification, 'F_[0:90]("<b>")')
+    return {
+        "tree": tree_svg(decomposition),
+        "table": task_table(decomposition),
+        "timeline": timeline_svg(recording),
+        "verdict": verdict_html(recording),
+        "reading": _reading(specification),
+        "about": _about(specification.scene),
+        "error": note(wrong.error),
+        "unknown": note(unknown.error),
+    }
+
+
+def test_names_are_text(pieces):
+    for name, html in pieces.items():
+        parser = parsed(html)
+        assert "img" not in parser.tags, name
+        assert not parser.handlers, name
+        if name != "timeline":  # which cuts long names
+            assert EVIL in parser.text, name
+
+
+def test_the_parser_would_notice_markup():
+    parser = parsed(f"<div>{EVIL}</div>")
+    assert "img" in parser.tags
+    assert parser.handlers == ["onerror"]
+
+
+def test_abbreviations_are_text(specification):
+    text = f'F_[0:9](A2 & F_[0:5]("{EVIL}"))'
+    nested = edited(replace(specification), text)
+    assert nested.error == ""
+    assert nested.decomposition is not None
+    parser = parsed(abbreviation_list(nested.decomposition))
+    assert EVIL in parser.text
+    assert "img" not in parser.tags

@@ -1,0 +1,98 @@
+import base64
+import io
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from PIL import Image
+
+from core.decompose import decompose
+from core.heatmap import Heatmap
+from core.stl import parse
+from studio.figures import heatmap as figure
+from studio.figures.colors import data_url, viridis
+from studio.figures.heatmap import GREYED, Mark, color_range, heatmap_svg, pixels
+from studio.figures.ticks import ticks
+
+VARIABLES = decompose(parse("F_[0:3](A) & F_[10:12](B)")).variables
+
+
+def make(values, shortfall=None, axes=(0, 1)):
+    values = np.asarray(values, float)
+    first, second = np.arange(values.shape[1]), 10 + np.arange(values.shape[0])
+    short = np.zeros_like(values) if shortfall is None else np.asarray(shortfall, float)
+    return Heatmap(axes, first, second, values, short, np.zeros(8, np.int32))
+
+
+SLOPE = make(np.arange(12.0).reshape(3, 4))
+
+
+def test_the_largest_second_variable_is_on_top():
+    drawn = pixels(SLOPE)
+    assert drawn[0, -1].tolist() == viridis(np.array(1.0)).tolist()
+    assert drawn[-1, 0].tolist() == viridis(np.array(0.0)).tolist()
+
+
+def test_cells_too_short_to_travel_are_grey_and_do_not_set_the_range():
+    map_ = make([[0.0, 1.0], [2.0, 900.0]], [[0, 0], [0.5, 40]])
+    assert color_range(map_) == (0.0, 2.0)
+    assert pixels(map_)[0, 1].tolist() == GREYED.tolist()
+
+
+@pytest.mark.parametrize("values", [[[3.0, 3.0]], [[np.nan, np.nan]], [[np.inf, 1.0]]])
+def test_flat_and_broken_values_are_drawn(values):
+    low, high = color_range(make(values))
+    assert low < high
+    assert pixels(make(values)).shape == (1, 2, 3)
+
+
+def test_the_picture_is_well_formed_and_names_its_axes():
+    root = ET.fromstring(heatmap_svg(SLOPE, VARIABLES, [], "go('a&b')"))
+    texts = [node.text for node in root.iter() if node.tag.endswith("text")]
+    assert "t1  [steps]" in texts
+    assert "t2  [steps]" in texts
+    assert {"0", "1", "2", "3", "10", "11", "12"} <= set(texts)
+
+
+def test_a_click_knows_its_cell():
+    root = ET.fromstring(heatmap_svg(SLOPE, VARIABLES, [], "go(column, row)"))
+    cells = next(node for node in root.iter() if node.attrib.get("class") == "tg-cells")
+    handler = cells.attrib["onpointerdown"]
+    assert "go(column, row)" in handler
+    assert "box.width,4)" in handler
+    assert "box.height,3)" in handler
+
+
+def test_marks_lie_in_the_middle_of_their_cells():
+    drawn = heatmap_svg(SLOPE, VARIABLES, [Mark((3, 10), "#123456", "here")], "")
+    [(x, y)] = {tuple(map(float, at)) for at in re.findall(r'cx="([\d.]+)" cy="([\d.]+)"', drawn)}
+    assert x == pytest.approx(figure.LEFT + figure.PLOT * 3.5 / 4, abs=0.06)
+    assert y == pytest.approx(figure.TOP + figure.TALL * 2.5 / 3, abs=0.06)
+
+
+def test_one_variable_is_a_strip_and_none_is_nothing():
+    strip = heatmap_svg(make([[1.0, 2.0, 3.0]], axes=(0,)), VARIABLES, [], "")
+    assert "t1  [steps]" in strip
+    assert "t2  [steps]" not in strip
+    assert heatmap_svg(make([[1.0]], axes=()), VARIABLES, [], "") == ""
+
+
+def test_a_data_url_holds_the_pixels():
+    colors = np.random.default_rng(0).integers(0, 256, (5, 7, 3)).astype(np.uint8)
+    encoded = data_url(colors).removeprefix("data:image/png;base64,")
+    image = Image.open(io.BytesIO(base64.b64decode(encoded)))
+    np.testing.assert_array_equal(np.asarray(image), colors)
+
+
+@given(st.floats(-1e4, 1e4), st.floats(1e-3, 1e4), st.integers(2, 12))
+def test_ticks_are_few_round_and_inside(low, span, most):
+    high = low + span
+    found = ticks(low, high, most)
+    assert len(found) <= most
+    assert all(low - 1e-9 * abs(low) <= tick <= high + 1e-9 * abs(high) for tick in found)
+    steps = np.diff(found)
+    assert np.allclose(steps, steps[0]) if len(steps) else True
+    assert len(found) >= 1

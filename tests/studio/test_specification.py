@@ -1,0 +1,48 @@
+import pytest
+
+from core.errors import UserError
+from scenes import load_task
+from studio.specification import edited, specify
+from studio.tasks import build_task
+
+
+@pytest.fixture(scope="module")
+def right():
+    return specify(load_task("linear-08"))
+
+
+def test_the_scenes_own_formula_is_right(right):
+    assert right.error == ""
+    assert right.text == right.scene.formula
+    assert [variable.name for variable in right.decomposition.variables] == ["t1", "t2", "t3"]
+
+
+@pytest.mark.parametrize(
+    "text", ["F_[0:90](A7)", "F_[0:90](A1", "G_[0:5](F_[0:3](A1)|G_[0:2](A2))", "F_[0:9](A1 & B1)"]
+)
+def test_a_wrong_formula_keeps_the_last_right_one(right, text):
+    wrong = edited(right, text)
+    with pytest.raises(UserError) as error:
+        build_task(right.scene, text)
+    assert wrong.error == str(error.value)
+    assert wrong.task is right.task
+    assert wrong.text == text
+
+
+def test_the_error_carries_the_caret(right):
+    assert edited(right, "F_[0:90](A7)").error.endswith("F_[0:90](A7)\n         ^")
+
+
+def test_repairing_it_brings_the_new_task(right):
+    repaired = edited(edited(right, "F_[0:90](A7)"), "F_[0:90](A2)")
+    assert repaired.error == ""
+    assert repaired.decomposition is not None
+    assert len(repaired.decomposition.variables) == 1
+    assert right.task is not repaired.task
+
+
+def test_a_scene_may_open_with_a_wrong_formula():
+    specification = specify(load_task("linear-08"), "F_[0:90](A7)")
+    assert specification.task is None
+    assert specification.decomposition is None
+    assert "A7" in specification.error

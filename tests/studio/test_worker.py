@@ -1,0 +1,134 @@
+import threading
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from core.errors import UserError
+from core.training import TrainingConfig
+from studio import worker
+from studio.worker import Stage, Trainer
+from tests.studio.waiting import wait_for
+
+CONFIG = TrainingConfig()
+TASK = cast(Any, "task")
+
+
+def progress(epoch, success=None, best="best"):
+    evaluation = None if success is None else SimpleNamespace(success_rate=success)
+    state = SimpleNamespace(best=best, best_success=-1.0 if success is None else success)
+    return SimpleNamespace(
+        epoch=epoch,
+        env_steps=1000 * epoch,
+        train_seconds=0.5 * epoch,
+        batch_success=0.1 * epoch,
+        evaluation=evaluation,
+        parameters=f"weights{epoch}",
+        state=state,
+    )
+
+
+class ScriptedTrainer(Trainer):
+    """A trainer that goes through `script`, a step for each release of `gate`."""
+
+    def __init__(self):
+        self.gate = threading.Semaphore(0)
+        self.script: list = []
+        super().__init__()
+
+
+@pytest.fixture
+def trainer(monkeypatch):
+    trainer = ScriptedTrainer()
+
+    def train(task, config):
+        for step in trainer.script:
+            trainer.gate.acquire()
+            if isinstance(step, Exception):
+                raise step
+            yield step
+
+    monkeypatch.setattr(worker, "train", train)
+    yield trainer
+    for _ in range(100):
+        trainer.gate.release()
+    trainer.close()
+
+
+def test_every_epoch_is_published(trainer):
+    trainer.script = [progress(1), progress(2, 0.75)]
+    trainer.start(TASK, CONFIG)
+    assert trainer.snapshot.stage is Stage.COMPILING
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.epoch == 1)
+    first = trainer.snapshot
+    assert (first.stage, first.parameters, first.success) == (Stage.TRAINING, "weights1", None)
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.DONE)
+    assert trainer.snapshot.success == 0.75
+    assert [point.epoch for point in trainer.snapshot.curve] == [1, 2]
+    assert first.epoch == 1, "a snapshot never changes"
+
+
+def test_the_best_weights_stay_at_the_end(trainer):
+    trainer.script = [progress(1, 0.5, best="weights1"), progress(2, 0.2, best="weights1")]
+    trainer.start(TASK, CONFIG)
+    trainer.gate.release(2)
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.DONE)
+    assert trainer.snapshot.parameters == "weights1"
+
+
+def test_without_an_evaluation_the_last_weights_stay(trainer):
+    trainer.script = [progress(1), progress(2)]
+    trainer.start(TASK, CONFIG)
+    trainer.gate.release(2)
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.DONE)
+    assert trainer.snapshot.parameters == "weights2"
+
+
+def test_stop_ends_after_the_epoch(trainer):
+    trainer.script = [progress(1), progress(2), progress(3)]
+    trainer.start(TASK, CONFIG)
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.epoch == 1)
+    trainer.stop()
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.STOPPED)
+    assert trainer.snapshot.epoch == 2
+    assert not trainer.snapshot.running
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [(UserError("say so"), "say so"), (RuntimeError("out of memory"), "RuntimeError: out of")],
+)
+def test_an_error_is_shown_and_the_next_training_runs(trainer, error, text, capsys):
+    trainer.script = [error]
+    trainer.start(TASK, CONFIG)
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.FAILED)
+    assert trainer.snapshot.error.startswith(text)
+    trainer.script = [progress(1)]
+    trainer.start(TASK, CONFIG)
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.DONE)
+    assert trainer.snapshot.error == ""
+
+
+def test_a_new_training_replaces_the_old(trainer):
+    trainer.script = [progress(7)]
+    trainer.start(TASK, CONFIG)
+    trainer.script = [progress(1)]
+    trainer.start(cast(Any, "other"), CONFIG)
+    trainer.gate.release(2)
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.DONE)
+    assert (trainer.snapshot.task, trainer.snapshot.epoch) == ("other", 1)
+
+
+def test_what_is_forgotten_does_not_come_back(trainer):
+    trainer.script = [progress(1)]
+    trainer.start(TASK, CONFIG)
+    trainer.forget()
+    trainer.gate.release()
+    trainer.close()
+    assert trainer.snapshot.stage is Stage.IDLE
