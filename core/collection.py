@@ -94,7 +94,7 @@ def collect(
 
     Each environment starts with an episode from the initial set. When it ends, the next one
     begins at once, drawn from a pool of starts; a share of the pool are exploring starts, at the
-    completion of a random subgoal.
+    completion of a random subgoal or, for robots that ask for it, within a stay.
     """
     state_key, schedule_key, pool_key, noise_key, slot_key = jax.random.split(key, 5)
     count, steps = setting.algorithm.environments, setting.steps
@@ -166,16 +166,24 @@ def _start_pool(
 ) -> View:
     """2N starts: the epoch's own, then as many of which a share are exploring starts."""
     count = states.shape[0]
+    within_stays = setting.algorithm.mode.gradual_stays
 
     def explore(one: Grounded, state, start_key):
         rank_key, sample_key, place_key, choice_key = jax.random.split(start_key, 4)
         windows = one.windows
-        rank = jax.random.randint(rank_key, (), 0, jnp.maximum(windows.count - 1, 1))
+        last = windows.count - (0 if within_stays else 1)
+        rank = jax.random.randint(rank_key, (), 0, jnp.maximum(last, 1))
         sample = jax.random.randint(sample_key, (), 0, problem.inside.shape[1])
         placed = setting.robot.place(place_key, problem.inside[windows.order[rank], sample])
         chosen = jax.random.uniform(choice_key) < setting.algorithm.mode.exploring
-        chosen &= windows.count > 1
-        tau = jnp.where(chosen, windows.end[rank], 0.0)
+        tau = windows.end[rank]
+        if within_stays:
+            left = jax.random.uniform(jax.random.fold_in(choice_key, 1))
+            tau = tau - jnp.round(left * (tau - windows.start[rank]))
+            chosen &= tau < windows.last
+        else:
+            chosen &= windows.count > 1
+        tau = jnp.where(chosen, tau, 0.0)
         return jnp.where(chosen, placed, state), tau
 
     keys = jax.random.split(key, count)

@@ -37,6 +37,7 @@ class PaperMode:
     violation: float = -3.0
     scale: float = 1.0
     exploring: float = 0.0
+    gradual_stays: bool = False
 
     def begin(
         self, robot: Robot, world: World, problem: Problem, windows: Windows, state: Array, tau

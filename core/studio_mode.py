@@ -45,6 +45,11 @@ class StudioMode:
     scale: float = 0.05
     exploring: float = 0.5
     """Share of exploring starts among the episodes that follow a finished one."""
+    gradual_stays: bool = False
+    """Whether lambda_2 of a stay is paid step by step and exploring starts lie within stays too.
+
+    For robots that cannot stop at once: they learn the end of a stay first, then the rest.
+    """
 
     def begin(
         self, robot: Robot, world: World, problem: Problem, windows: Windows, state: Array, tau
@@ -89,7 +94,7 @@ class StudioMode:
         travelled = jnp.clip(jnp.where(same | (alive > 0), travelled, 0.0), -limit, limit)
         reward = (
             self.shape / robot.length * travelled * sense.live
-            + self.progress * gained
+            + self.progress * self._earned(windows, tau, alive, gained)
             + self.success * ((progress == windows.count) & (gained > 0))
             + self.violation * (worst_open_constraint(after.checks) < 0)
         )
@@ -105,6 +110,15 @@ class StudioMode:
         )
         ends = (alive == 0) | (tau >= windows.last)
         return following, after, self.scale * reward, ends
+
+    def _earned(self, windows: Windows, tau: Array, alive: Array, gained: Array) -> Array:
+        """Subgoals achieved by this step: whole ones, or shares of stays."""
+        if not self.gradual_stays:
+            return gained
+        lasting = windows.end - windows.start + 1
+        now = jnp.clip((tau + 1 - windows.start) / lasting, 0, 1)
+        before = jnp.clip((tau - windows.start) / lasting, 0, 1)
+        return alive * (now - before).sum()
 
     def succeeded(self, windows: Windows, episode: Episode) -> Array:
         """Whether every task held until everything was decided."""

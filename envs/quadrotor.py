@@ -68,7 +68,7 @@ class Quadrotor:
     attitude_gains: tuple[float, float] = (25.0, 10.0)
     yaw_gain: float = 5.0
     speed: float = 0.35
-    lag: float = 4.0
+    lag: float = 6.0
     length: float = 1.0
     placed_speed: float = 3.0
     workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0), (0.0, 5.0))

@@ -11,6 +11,22 @@ MASS, GRAVITY, INERTIA = 0.2, 9.81, np.diag([0.01, 0.01, 0.02])
 PANDA_LOW = [-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973]  # [rad]
 PANDA_HIGH = [2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973]  # [rad]
 PANDA_VELOCITY = [2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61]  # [rad/s]
+PANDA_READY = [0, -math.pi / 4, 0, -3 * math.pi / 4, 0, math.pi / 2, math.pi / 4]  # [rad]
+PANDA_AXES = np.array(
+    [[0, 0, 1], [0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1]], float
+)
+PANDA_POINTS = np.array(
+    [
+        [0, 0, 0.333],
+        [0, 0, 0.333],
+        [0, 0, 0.649],
+        [0.0825, 0, 0.649],
+        [0, 0, 1.033],
+        [0, 0, 1.033],
+        [0.088, 0, 1.033],
+    ]
+)
+"""Axes and points on them with all joints at zero, read off Franka's drawing, in [m]."""
 
 
 def linear_step(state, action) -> np.ndarray:
@@ -39,6 +55,34 @@ def panda_step(state, action) -> np.ndarray:
     """theta' = theta + omega dt within the joints' limits."""
     omega = np.clip(np.asarray(action, float), -1, 1) * PANDA_VELOCITY
     return np.clip(np.asarray(state, float) + omega * PANDA_DT, PANDA_LOW, PANDA_HIGH)
+
+
+def panda_tip(angles, tool: float = 0.1034) -> np.ndarray:
+    """Tip [3] by the product of exponentials: the zero posture turned about each axis."""
+    return _turned(angles, np.array([0.088, 0, 1.033 - 0.107 - tool]))
+
+
+def panda_jacobian(angles) -> np.ndarray:
+    """Derivative [3, 7] of the tip by central differences in [m/rad]."""
+    steps = 1e-6 * np.eye(7)
+    pairs = [(panda_tip(angles + step), panda_tip(angles - step)) for step in steps]
+    return np.stack([(after - before) / 2e-6 for after, before in pairs], -1)
+
+
+def _turned(angles, point: np.ndarray) -> np.ndarray:
+    joints = list(zip(PANDA_AXES, PANDA_POINTS, angles, strict=True))
+    for axis, origin, angle in reversed(joints):
+        offset = point - origin
+        along = axis * (axis @ offset)
+        across = np.array(
+            [
+                axis[1] * offset[2] - axis[2] * offset[1],
+                axis[2] * offset[0] - axis[0] * offset[2],
+                axis[0] * offset[1] - axis[1] * offset[0],
+            ]
+        )
+        point = origin + along + math.cos(angle) * (offset - along) + math.sin(angle) * across
+    return point
 
 
 def rotation(phi: float, theta: float, psi: float) -> np.ndarray:
@@ -96,6 +140,16 @@ STEPS = {
     "panda": panda_step,
     "quadrotor": quadrotor_step,
 }
+
+
+def position(robot: str, state) -> np.ndarray:
+    """Position [d] in [m] in the scene's frame of one state [n]."""
+    match robot:
+        case "panda":
+            return panda_tip(state)
+        case "quadrotor":
+            return np.asarray(state, float)[:3] * [1, -1, -1]
+    return np.asarray(state, float)[:2]
 
 
 def rollout(robot: str, initial, actions) -> np.ndarray:

@@ -5,38 +5,9 @@ import pytest
 
 from envs import Panda
 from envs.panda import READY
-from tests.envs.reference import PANDA_HIGH, PANDA_LOW
+from tests.envs.reference import PANDA_HIGH, PANDA_LOW, panda_tip
 
 ARM = Panda()
-AXES = np.array(
-    [[0, 0, 1], [0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1]], float
-)
-POINTS = np.array(
-    [
-        [0, 0, 0.333],
-        [0, 0, 0.333],
-        [0, 0, 0.649],
-        [0.0825, 0, 0.649],
-        [0, 0, 1.033],
-        [0, 0, 1.033],
-        [0.088, 0, 1.033],
-    ]
-)
-"""Axes and points on them with all joints at zero, read off Franka's drawing."""
-
-
-def _product_of_exponentials(angles, tool: float) -> np.ndarray:
-    """Tip [3] by turning the zero posture about each axis in turn, in float64."""
-    point = np.array([0.088, 0, 1.033 - 0.107 - tool])
-    for axis, origin, angle in reversed(list(zip(AXES, POINTS, angles, strict=True))):
-        offset = point - origin
-        point = (
-            origin
-            + offset * np.cos(angle)
-            + np.cross(axis, offset) * np.sin(angle)
-            + axis * (axis @ offset) * (1 - np.cos(angle))
-        )
-    return point
 
 
 def _postures(count: int) -> np.ndarray:
@@ -45,7 +16,7 @@ def _postures(count: int) -> np.ndarray:
 
 def test_forward_kinematics_equal_the_product_of_exponentials():
     postures = _postures(200)
-    expected = [_product_of_exponentials(posture, 0.1034) for posture in postures]
+    expected = [panda_tip(posture) for posture in postures]
     with jax.enable_x64(True):
         found = ARM.position(jnp.asarray(postures))
     np.testing.assert_allclose(found, expected, atol=1e-12)

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.stl import horizon, parse
 from scenes import Scene
-from tests.envs.reference import rollout
+from tests.envs.reference import position, rollout
 from tests.scenes.geometry import margins_table
 from tests.scenes.oracle import rtamt_robustness
 
@@ -52,5 +52,5 @@ def save_witness(task: str, initial, actions, hold: int) -> None:
 def judge(scene: Scene, initial, actions) -> float:
     """rtamt's robustness of the float64 rollout of a robot under actions [T, m]."""
     states = rollout(scene.robot, initial, actions)
-    table = margins_table(scene, states[:, :2])
+    table = margins_table(scene, [position(scene.robot, state) for state in states])
     return rtamt_robustness(scene.formula, scene.region_names, table)
