@@ -111,9 +111,9 @@ def test_the_inner_loop_keeps_the_yaw_rate():
 
 def test_forces_stay_within_the_motors_limits():
     generator = np.random.default_rng(0)
-    states = generator.normal(size=(200, 12)) * 3
-    actions = generator.uniform(-2, 2, (200, 4))
-    forces = jax.vmap(DRONE.motor_forces)(states.astype(np.float32), actions.astype(np.float32))
+    states = jnp.asarray(generator.normal(size=(200, 12)) * 3, jnp.float32)
+    actions = jnp.asarray(generator.uniform(-2, 2, (200, 4)), jnp.float32)
+    forces = jax.vmap(DRONE.motor_forces)(states, actions)
     assert (forces >= 0).all() and (forces <= DRONE.max_force).all()
     assert (forces == 0).any() and (forces == DRONE.max_force).any()
 

@@ -12,9 +12,11 @@ judges the result; the attempt with the largest robustness is kept.
 
 import math
 import sys
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import solve_discrete_are
 
 from scenes import Scene, load_task, task_names
 from tests.envs.reference import (
@@ -41,6 +43,7 @@ class Tracker(NamedTuple):
     inside: float  # margin at which a region counts as entered [m]
     clearance: float  # of the path from obstacles [m]
     approach: float  # speed over the distance to go [1/s]
+    lean: float = 0.0  # from a region's center towards the next while it waits there [m]
 
 
 TRACKERS = {
@@ -51,11 +54,13 @@ TRACKERS = {
         for clearance in (0.06, 0.04)
     ],
     "quadrotor": [
-        Tracker(cruise, ahead, 0.2, clearance, approach)
-        for cruise in (2.0, 2.5, 3.0)
-        for ahead in (0.6, 0.9)
-        for clearance in (0.7, 0.5)
-        for approach in (1.0, 1.4)
+        Tracker(cruise, ahead, inside, clearance, approach, lean)
+        for cruise in (3.0, 4.0)
+        for ahead in (0.8, 1.2)
+        for inside in (0.25, 0.05)
+        for clearance in (0.5, 0.35)
+        for approach in (1.5, 2.2, 3.0)
+        for lean in (0.0, 0.5)
     ],
 }
 
@@ -79,14 +84,18 @@ def drive(scene: Scene, initial: np.ndarray, tracker: Tracker) -> np.ndarray:
             if not _done(plan[index], index, entries, entered, step):
                 break
             index += 1
+        ahead = place + _coasting(scene.robot, state)
         visit = plan[min(index, len(plan) - 1)]
         center = centers[visit.region]
+        if index < len(plan) - 1 and not visit.stay:
+            onward = centers[plan[index + 1].region] - center
+            center = center + tracker.lean * onward / np.linalg.norm(onward)
         if index == len(plan) or depth[visit.region] >= tracker.inside:
-            wish = 1.5 * (center - place)
+            wish = 1.2 * (center - ahead)
         else:
-            aim = _path_point(axes, fields[index], place, tracker.ahead)
-            wish = aim - place
-            to_go = np.linalg.norm(center - place)
+            aim = _path_point(axes, fields[index], ahead, tracker.ahead)
+            wish = aim - ahead
+            to_go = np.linalg.norm(center - ahead)
             speed = min(tracker.cruise, tracker.approach * to_go)
             wish = speed * wish / max(np.linalg.norm(wish), tracker.ahead / 2)
         action = np.round(control(state, wish), DIGITS)
@@ -133,13 +142,32 @@ def _move_arm(state: np.ndarray, velocity: np.ndarray) -> np.ndarray:
 
 
 def _fly(state: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """Thrust and tilt for a velocity [3] in the scene's frame; heading kept at zero."""
-    error = velocity - position("quadrotor", state[3:6])
-    forward, left, up = np.clip(2.0 * error, -6.0, 6.0)
-    lift = 9.81 + up
-    thrust = math.sqrt(forward**2 + left**2 + lift**2) / 9.81 - 1
-    pitch, roll = -math.atan2(forward, lift), -math.atan2(left, lift)
-    return np.clip([thrust / 0.6, roll / 0.6, pitch / 0.6, -state[8]], -1, 1)
+    """Thrust and tilt for a velocity [3] in the scene's frame; heading kept at zero.
+
+    Each horizontal axis is a linear system (velocity, tilt, tilt rate) under a regulator.
+    """
+    error = np.clip(velocity - position("quadrotor", state[3:6]), -2.0, 2.0)
+    pitch = _tilt_gains() @ [error[0], state[7], state[10]]
+    roll = _tilt_gains() @ [error[1], state[6], state[9]]
+    lean = math.cos(state[6]) * math.cos(state[7])
+    thrust = (9.81 + 3.0 * error[2]) / max(lean, 0.6) / 9.81 - 1
+    return np.clip([thrust / 0.6, roll, pitch, -state[8]], -1, 1)
+
+
+@cache
+def _tilt_gains() -> np.ndarray:
+    """Gains on (velocity error, tilt, tilt rate): a tilt below zero accelerates forward, left."""
+    plant = np.array([[1, -0.981, 0], [0, 1, 0.1], [0, -2.5, 0]])
+    control = np.array([[0], [0], [1.5]])
+    weight, effort = np.diag([1.0, 0.0, 0.0]), np.array([[0.6]])
+    value = solve_discrete_are(plant, control, weight, effort)
+    gains = np.linalg.solve(effort + control.T @ value @ control, control.T @ value @ plant)[0]
+    return -gains * [-1, 1, 1]
+
+
+def _coasting(robot: str, state: np.ndarray) -> np.ndarray:
+    """Way [3] that the robot makes before it can follow another wish."""
+    return 0.15 * position(robot, state[3:6]) if robot == "quadrotor" else np.zeros(3)
 
 
 CONTROLS = {"panda": _move_arm, "quadrotor": _fly}
