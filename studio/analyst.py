@@ -149,8 +149,8 @@ class Analyst:
             _repeated(initial_state(subject.task)),
             _repeated(jnp.asarray(_padded(schedule))),
         )
-        states, margins = np.asarray(rollout.states)[:, 0], np.asarray(rollout.margins)[:, 0]
-        self.recording = record(subject.task, schedule, states, margins)
+        traces = (np.asarray(field)[:, 0] for field in rollout)
+        self.recording = record(subject.task, schedule, *traces)
         if self._request is request:
             self._request = None
         self.error = ""

@@ -19,6 +19,7 @@ from core.training import TrainingConfig
 from scenes import Scene, load_scene, load_task
 from studio.panels.formula import FormulaPanel
 from studio.panels.heatmap import HeatmapPanel
+from studio.panels.monitor import MonitorPanel, PlayheadStyle
 from studio.panels.rollout import RolloutPanel
 from studio.panels.task import TaskPanel
 from studio.panels.training import TrainingPanel
@@ -146,6 +147,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
     gui.add_html(STYLE)
     drawables: list[Drawable] = [
+        PlayheadStyle(gui),
         TaskPanel(gui, session),
         FormulaPanel(gui, session),
         TreePanel(gui),
@@ -156,6 +158,8 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     rollout = gui.add_panel()
     with rollout.add_tab("Rollout", viser.Icon.ROUTE):
         drawables.append(RolloutPanel(gui, session))
+    with rollout.add_tab("Monitor", viser.Icon.TABLE):
+        drawables.append(MonitorPanel(gui, session))
     gui.main_panel.dock_left()
     gui.main_panel.set_width(400)
     learning.dock_right()

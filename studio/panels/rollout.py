@@ -4,13 +4,12 @@ from functools import partial
 
 import viser
 
-from core.decompose import Kind
 from studio.clicks import ClickField
 from studio.figures.svg import escape
 from studio.figures.timeline import timeline_svg
 from studio.panels.html import Html
 from studio.player import SPEEDS, Player
-from studio.recording import Outcome, Recording
+from studio.recording import Recording
 from studio.session import Session
 from studio.theme import BAD, GOOD
 
@@ -81,7 +80,9 @@ def verdict_html(recording: Recording) -> str:
         f"{variable.name} = {value}"
         for variable, value in zip(variables, recording.schedule, strict=True)
     )
-    remark = _detour(recording) if recording.satisfied else _failure(recording)
+    color_of_why = "inherit" if recording.satisfied else BAD
+    why = escape(recording.diagnosis.sentence)
+    remark = f'<div class="tg-why" style="color:{color_of_why}">{why}</div>' + _detour(recording)
     return (
         f'<div style="margin-bottom:0.4em"><span class="tg-badge" style="background:{color}">'
         f"{word}</span> &nbsp;robustness {recording.robustness:+.2f} m"
@@ -100,34 +101,13 @@ def _invitation(session: Session) -> str:
 
 def _detour(recording: Recording) -> str:
     """Say so where the formula holds, but not by the tasks of this schedule."""
+    if not recording.satisfied:
+        return ""
     missed = [outcome.predicate for outcome in recording.outcomes if outcome.worst < 0]
     if not missed:
         return ""
     text = f"The formula holds, though {', '.join(missed)} did not when the schedule asked for it."
     return f'<div class="tg-dim">{escape(text)}</div>'
-
-
-def _failure(recording: Recording) -> str:
-    failed = [
-        (outcome.first_failure, outcome)
-        for outcome in recording.outcomes
-        if outcome.first_failure is not None
-    ]
-    if not failed:
-        return ""
-    step, outcome = min(failed, key=lambda pair: pair[0])
-    return f'<div style="color:{BAD}">{escape(_sentence(step, outcome))}</div>'
-
-
-def _sentence(step: int, outcome: Outcome) -> str:
-    distance = f"by {-float(outcome.margin[step]):.2f} m"
-    match outcome.kind:
-        case Kind.REACH:
-            return f"At step {step} the robot misses {outcome.predicate} {distance}."
-        case Kind.STAY:
-            return f"At step {step} the robot is outside {outcome.predicate} {distance}."
-        case Kind.INVARIANT:
-            return f"At step {step} the robot breaks {outcome.predicate} {distance}."
 
 
 def _press(session: Session, value: str) -> None:
