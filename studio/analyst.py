@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.algorithm import Algorithm
+from core.errors import UserError
 from core.grounding import MAX_VARIABLES
 from core.heatmap import Heatmap, heatmap
 from core.networks import Parameters
@@ -66,6 +67,8 @@ class Analyst:
         self.picture: Picture | None = None
         self.recording: Recording | None = None
         self.error = ""
+        self.stale = ""
+        """Why the weights do not answer for the scene shown, empty if they do."""
         self.axes: tuple[int, ...] | None = None
         """Variables on the axes of the heatmap; None for the first that matter."""
         self._subject: Subject | None = None
@@ -99,7 +102,13 @@ class Analyst:
         self._wake.set()
 
     def ask(self, schedule: tuple[int, ...] | None = None) -> None:
-        """Roll out a schedule, or the critic's choice; the latest request counts."""
+        """Roll out a schedule, or the critic's choice; the latest request counts.
+
+        Raises:
+            UserError: the weights were learnt on another scene than the one shown.
+        """
+        if self.stale:
+            raise UserError(self.stale)
         if self._subject is not None:
             self._request = _Request(schedule)
             self._wake.set()

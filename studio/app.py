@@ -17,6 +17,7 @@ from core.algorithm import make_algorithm
 from core.errors import UserError
 from core.training import TrainingConfig
 from scenes import Scene, load_scene, load_task
+from studio.commands import add_commands
 from studio.panels.formula import FormulaPanel
 from studio.panels.heatmap import HeatmapPanel
 from studio.panels.monitor import MonitorPanel, PlayheadStyle
@@ -146,6 +147,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     gui = server.gui
     gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
     gui.add_html(STYLE)
+    add_commands(gui, session)
     drawables: list[Drawable] = [
         PlayheadStyle(gui),
         TaskPanel(gui, session),

@@ -15,23 +15,26 @@ class FormulaPanel:
     """A text field, and below it the error or the formula in symbols."""
 
     def __init__(self, gui: viser.GuiApi, session: Session) -> None:
-        self._scene = session.specification.scene
-        self._field = gui.add_text("Formula", session.specification.text, multiline=True)
+        self._shown = session.text
+        self._field = gui.add_text("Formula", session.text, multiline=True)
         self._verdict = Html(gui)
 
         @self._field.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
                 text = event.target.value[: MAX_LENGTH + 1]
-                session.post(partial(session.edit, text))
+                session.post(partial(self._typed, session, text))
 
     def draw(self, session: Session) -> None:
-        """Show the verdict; a new scene brings its own formula into the field."""
+        """Show the verdict; a formula that was not typed here goes into the field."""
         specification = session.specification
-        if specification.scene is not self._scene:
-            self._scene = specification.scene
-            self._field.value = specification.text
+        if session.text != self._shown:
+            self._shown = self._field.value = session.text
         self._verdict.show(note(specification.error) or _reading(specification))
+
+    def _typed(self, session: Session, text: str) -> None:
+        self._shown = text
+        session.edit(text)
 
 
 def _reading(specification: Specification) -> str:

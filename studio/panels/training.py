@@ -9,6 +9,7 @@ import viser
 from viser import uplot
 
 from core.training import TrainingConfig
+from studio.meaning import stale_text
 from studio.panels.html import Html, note
 from studio.session import Session
 from studio.worker import Point, Stage, Training
@@ -184,6 +185,4 @@ def _goal(config: TrainingConfig) -> str:
 
 
 def _stale(session: Session) -> str:
-    if not session.stale:
-        return ""
-    return note("The formula has changed: what is shown here belongs to the earlier one.", "warn")
+    return note(stale_text(session.stale_reasons), "warn")
