@@ -28,6 +28,7 @@ from studio.panels.tree import TreePanel
 from studio.security import start_server
 from studio.session import MakeConfig, Session
 from studio.theme import BRAND, STYLE
+from studio.views.highlight import HighlightView
 from studio.views.regions import RegionsView
 from studio.views.robot import RobotView
 
@@ -152,7 +153,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
         PlayheadStyle(gui),
         TaskPanel(gui, session),
         FormulaPanel(gui, session),
-        TreePanel(gui),
+        TreePanel(gui, session),
     ]
     learning = gui.add_panel()
     with learning.add_tab("Learning", viser.Icon.BRAIN):
@@ -167,4 +168,4 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     learning.dock_right()
     learning.set_width(420)
     rollout.float(x=20, y=-14, width=580)
-    return [*drawables, RegionsView(server), RobotView(server)]
+    return [*drawables, RegionsView(server), HighlightView(server), RobotView(server)]

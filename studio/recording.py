@@ -76,6 +76,10 @@ class Recording:
         grounding = self.task.grounding
         return leaf_status(grounding.decomposition, self.schedule, self.margins, grounding.atoms)
 
+    def status_at(self, position: float) -> np.ndarray:
+        """`LeafStatus` [K] at a position [steps]."""
+        return self.status[:, min(max(int(position), 0), self.steps)]
+
 
 def record(
     task: Task, schedule, states: np.ndarray, actions: np.ndarray, margins: np.ndarray

@@ -38,6 +38,8 @@ class Session:
         self.trainer, self.analyst, self.player = Trainer(), Analyst(), Player()
         self.time_limit = 60.0
         self.error = ""
+        self.highlighted: tuple[str, ...] = ()
+        """Regions pointed out in the scene."""
         self._make_config = make_config
         self._changes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._draft: tuple[str, float] | None = None

@@ -61,6 +61,9 @@ STYLE = """
 .tg-transport button[aria-pressed="true"] { background: #1e6091; border-color: #1e6091;
   color: #fff; }
 .tg-transport .tg-gap { flex-grow: 1; }
+.tg-leaf { cursor: pointer; }
+.tg-leaf rect { transition: fill 0.2s; }
+.tg-leaf:hover rect { stroke-opacity: 1; stroke-width: 1.8; }
 .tg-rows { max-height: 220px; overflow-y: auto; margin: 0.35em 0 0.25em; }
 .tg-rows image { image-rendering: pixelated; cursor: pointer; }
 .tg-readout { min-height: 1.45em; white-space: nowrap; overflow: hidden; text-overflow: ellipsis;

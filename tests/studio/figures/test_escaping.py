@@ -30,7 +30,7 @@ class _Tags(HTMLParser):
     def handle_starttag(self, tag, attrs):
         self.tags.add(tag)
         self.handlers += [name for name, _ in attrs if name.startswith("on")]
-        self.scripts += "".join(value for name, value in attrs if name.startswith("on"))
+        self.scripts += "".join(value or "" for name, value in attrs if name.startswith("on"))
 
     def handle_data(self, data):
         self.text += data
