@@ -1,6 +1,5 @@
 """Nothing that a person named reaches the page as markup: viser's HTML runs event handlers."""
 
-from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -15,7 +14,7 @@ from studio.panels.html import note
 from studio.panels.rollout import verdict_html
 from studio.panels.task import _about
 from studio.recording import record
-from studio.specification import edited, specify
+from studio.specification import specify
 from tests.studio.conftest import EVIL
 
 ACTIVE = {"monitor", "tree"}
@@ -62,8 +61,8 @@ def recording(specification):
 @pytest.fixture
 def pieces(specification, recording):
     decomposition = specification.decomposition
-    wrong = edited(specification, f'F_[0:90]("{EVIL}" &')
-    unknown = edited(specification, 'F_[0:90]("<b>")')
+    wrong = specify(specification.scene, f'F_[0:90]("{EVIL}" &')
+    unknown = specify(specification.scene, 'F_[0:90]("<b>")')
     return {
         "tree": tree_svg(decomposition),
         "table": task_table(decomposition),
@@ -96,7 +95,7 @@ def test_the_parser_would_notice_markup():
 
 def test_abbreviations_are_text(specification):
     text = f'F_[0:9](A2 & F_[0:5]("{EVIL}"))'
-    nested = edited(replace(specification), text)
+    nested = specify(specification.scene, text)
     assert nested.error == ""
     assert nested.decomposition is not None
     parser = parsed(abbreviation_list(nested.decomposition))
