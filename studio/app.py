@@ -21,6 +21,7 @@ from studio.commands import add_commands
 from studio.panels.formula import FormulaPanel
 from studio.panels.heatmap import HeatmapPanel
 from studio.panels.monitor import MonitorPanel, PlayheadStyle
+from studio.panels.regions import RegionsPanel
 from studio.panels.rollout import RolloutPanel
 from studio.panels.task import TaskPanel
 from studio.panels.training import TrainingPanel
@@ -28,6 +29,8 @@ from studio.panels.tree import TreePanel
 from studio.security import start_server
 from studio.session import MakeConfig, Session
 from studio.theme import BRAND, STYLE
+from studio.views.editing import EditingView
+from studio.views.floor import FloorView
 from studio.views.highlight import HighlightView
 from studio.views.regions import RegionsView
 from studio.views.robot import RobotView
@@ -152,6 +155,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     drawables: list[Drawable] = [
         PlayheadStyle(gui),
         TaskPanel(gui, session),
+        RegionsPanel(gui, session),
         FormulaPanel(gui, session),
         TreePanel(gui, session),
     ]
@@ -168,4 +172,5 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     learning.dock_right()
     learning.set_width(420)
     rollout.float(x=20, y=-14, width=580)
-    return [*drawables, RegionsView(server), HighlightView(server), RobotView(server)]
+    views = [RegionsView(server), HighlightView(server), RobotView(server)]
+    return [*drawables, FloorView(server), *views, EditingView(server)]

@@ -68,6 +68,15 @@ STYLE = """
 .tg-rows image { image-rendering: pixelated; cursor: pointer; }
 .tg-readout { min-height: 1.45em; white-space: nowrap; overflow: hidden; text-overflow: ellipsis;
   font-variant-numeric: tabular-nums; }
+.tg-chips { display: flex; flex-wrap: wrap; gap: 0.3em; align-items: center; }
+.tg-chips button { font: inherit; font-size: 0.93em; cursor: pointer; border-radius: 4px;
+  border: 1px solid var(--mantine-color-default-border); background: var(--mantine-color-body);
+  color: var(--mantine-color-text); padding: 0.1em 0.55em; white-space: nowrap; }
+.tg-chips button:hover:not(:disabled) { border-color: #1e6091; }
+.tg-chips button:disabled { opacity: 0.4; cursor: default; }
+.tg-chips button[aria-pressed="true"] { background: #1e6091; border-color: #1e6091; color: #fff; }
+.tg-chips .tg-gap { flex-grow: 1; }
+.tg-chips + .tg-chips { margin-top: 0.45em; }
 .tg-heat image { cursor: crosshair; image-rendering: pixelated; }
 </style>
 """
