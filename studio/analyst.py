@@ -7,7 +7,7 @@ the next heatmap. All that it shares is replaced as a whole, never changed.
 import threading
 import time
 import traceback
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax
@@ -17,7 +17,7 @@ import numpy as np
 from core.algorithm import Algorithm
 from core.errors import UserError
 from core.grounding import MAX_VARIABLES
-from core.heatmap import Heatmap, heatmap
+from core.heatmap import ALTERNATIVES, Heatmap, best_schedule, heatmap, random_schedules
 from core.networks import Parameters
 from core.programs import EvaluationPrograms, evaluation_programs
 from core.protocols import Array
@@ -27,9 +27,6 @@ from studio.worker import Training
 
 ROLLOUTS = 8
 """Rollouts of the compiled program. A click needs one; the critic's choice is the best of 8."""
-
-SHORTFALL_PENALTY = 10.0
-"""Value that a step too short to travel costs a schedule, as in `core.rollout`."""
 
 PERIOD = 0.7
 """Least time between the starts of two heatmaps [s]."""
@@ -42,6 +39,19 @@ class Subject(NamedTuple):
     algorithm: Algorithm
     epoch: int
     parameters: Parameters
+    chains: Array | None = None
+
+
+@dataclass(frozen=True)
+class MapView:
+    """What a heatmap shows of a space of more than two variables."""
+
+    axes: tuple[int, ...] | None = None
+    """Variables on the axes; None for the first that matter."""
+    fixed: tuple[tuple[int, int], ...] = ()
+    """(variable, value) set by hand; the critic chooses the others."""
+    best: bool = False
+    """Whether each cell has the best of the times that are neither fixed nor on the axes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +79,7 @@ class Analyst:
         self.error = ""
         self.stale = ""
         """Why the weights do not answer for the scene shown, empty if they do."""
-        self.axes: tuple[int, ...] | None = None
-        """Variables on the axes of the heatmap; None for the first that matter."""
+        self.view = MapView()
         self._subject: Subject | None = None
         self._request: _Request | None = None
         self._closed = False
@@ -92,14 +101,18 @@ class Analyst:
         if known is not None and known.parameters is parameters:
             return
         if known is None or known.task is not task:
-            self.axes = None
-        self._subject = Subject(task, config.algorithm, training.epoch, parameters)
+            self.view = MapView()
+        self._subject = Subject(task, config.algorithm, training.epoch, parameters, training.chains)
+        self._wake.set()
+
+    def choose_view(self, view: MapView) -> None:
+        """Draw the next heatmap so."""
+        self.view = view
         self._wake.set()
 
     def choose_axes(self, axes: tuple[int, ...]) -> None:
         """Draw the next heatmap over these variables."""
-        self.axes = axes
-        self._wake.set()
+        self.choose_view(replace(self.view, axes=axes))
 
     def ask(self, schedule: tuple[int, ...] | None = None) -> None:
         """Roll out a schedule, or the critic's choice; the latest request counts.
@@ -117,7 +130,7 @@ class Analyst:
         """Drop the subject and all answers."""
         self._subject = self._request = None
         self.picture = self.recording = None
-        self.error, self.axes = "", None
+        self.error, self.view = "", MapView()
 
     def close(self) -> bool:
         """End the thread; whether it has ended, as it does not while it compiles."""
@@ -131,14 +144,14 @@ class Analyst:
         while not self._closed:
             self._wake.wait(timeout=max(0.1, due - time.monotonic()))
             self._wake.clear()
-            subject, axes, request = self._subject, self.axes, self._request
+            subject, view, request = self._subject, self.view, self._request
             try:
                 if subject is not None and request is not None:
                     self._answer(subject, request)
                 elif subject is not None and time.monotonic() >= due:
-                    if subject is not drawn[0] or axes != drawn[1]:
-                        drawn, due = (subject, axes), time.monotonic() + PERIOD
-                        self.picture = _draw(subject, axes)
+                    if subject is not drawn[0] or view != drawn[1]:
+                        drawn, due = (subject, view), time.monotonic() + PERIOD
+                        self.picture = _draw(subject, view)
                         self.error = ""
             except Exception as error:  # noqa: BLE001 - the page shows it and lives on
                 traceback.print_exc()
@@ -150,7 +163,7 @@ class Analyst:
         schedule = request.schedule
         if schedule is None:
             if self.picture is None or self.picture.subject is not subject:
-                self.picture = _draw(subject, self.axes)
+                self.picture = _draw(subject, self.view)
             schedule = self.picture.choice
         rollout = _programs(subject).roll_out(
             subject.task.problem,
@@ -189,19 +202,34 @@ def initial_state(task: Task) -> Array:
     return task.robot.rest(jax.random.key(0), jnp.asarray(center))
 
 
-def _draw(subject: Subject, axes: tuple[int, ...] | None) -> Picture:
-    """The heatmap over two variables, the others as the critic likes them best."""
-    task = subject.task
+def _draw(subject: Subject, view: MapView) -> Picture:
+    """The heatmap over two variables, the others as the critic likes them best or as fixed."""
+    task, fixed = subject.task, dict(view.fixed)
     state = initial_state(task)
-    choice = _choice(subject, _programs(subject), state)
-    axes = default_axes(task, choice) if axes is None else axes
-    drawn = heatmap(task, subject.algorithm, subject.parameters, state, _padded(choice), axes)
-    return Picture(subject, drawn, best_cell(drawn, subject.algorithm.prune)[: len(choice)])
+    if fixed:
+        asked = (task, subject.algorithm, subject.parameters, state)
+        choice = tuple(int(value) for value in best_schedule(*asked, fixed))
+        choice = choice[: len(task.grounding.decomposition.variables)]
+    else:
+        choice = _choice(subject, _programs(subject), state)
+    axes = default_axes(task, choice) if view.axes is None else view.axes
+    rest = _alternatives(task, choice, fixed) if view.best else None
+    drawn = heatmap(task, subject.algorithm, subject.parameters, state, _padded(choice), axes, rest)
+    return Picture(subject, drawn, best_cell(drawn, subject.algorithm)[: len(choice)])
 
 
-def best_cell(drawn: Heatmap, prune: bool) -> tuple[int, ...]:
+def _alternatives(task: Task, choice: tuple[int, ...], fixed: dict[int, int]) -> np.ndarray:
+    """Schedules [K, V] in the choice's branches, the choice first."""
+    branches = set(range(len(choice))) - set(time_variables(task))
+    held = {branch: choice[branch] for branch in branches} | fixed
+    drawn = random_schedules(task, ALTERNATIVES, held)
+    drawn[0] = _padded(choice)
+    return drawn
+
+
+def best_cell(drawn: Heatmap, algorithm: Algorithm) -> tuple[int, ...]:
     """Schedule [V] of the cell that the critic likes best."""
-    score = drawn.values - (SHORTFALL_PENALTY * drawn.shortfall if prune else 0.0)
+    score = algorithm.preference(drawn.values, drawn.shortfall)
     row, column = np.unravel_index(np.nan_to_num(score, nan=-np.inf).argmax(), score.shape)
     return tuple(int(value) for value in drawn.schedule_at(int(row), int(column)))
 

@@ -12,6 +12,7 @@ from queue import SimpleQueue
 
 from core.errors import UserError
 from core.networks import Parameters
+from core.protocols import Array
 from core.task import Task
 from core.training import Progress, TrainingConfig, train
 
@@ -51,6 +52,8 @@ class Training:
     seconds: float = 0.0
     """Spent in training, compilation apart."""
     curve: tuple[Point, ...] = ()
+    chains: Array | None = None
+    """Schedules [C, V] at which the Metropolis-Hastings chains stand."""
     parameters: Parameters | None = None
     """Weights after the last epoch; of the best evaluation once the training has ended."""
     error: str = ""
@@ -137,6 +140,7 @@ class Trainer:
                     seconds=progress.train_seconds,
                     curve=tuple(curve),
                     parameters=progress.parameters,
+                    chains=progress.state.learner.chains,
                 )
                 if job.stop.is_set():
                     break

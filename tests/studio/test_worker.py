@@ -16,7 +16,11 @@ TASK = cast(Any, "task")
 
 def progress(epoch, success=None, best="best"):
     evaluation = None if success is None else SimpleNamespace(success_rate=success)
-    state = SimpleNamespace(best=best, best_success=-1.0 if success is None else success)
+    state = SimpleNamespace(
+        best=best,
+        best_success=-1.0 if success is None else success,
+        learner=SimpleNamespace(chains=f"chains{epoch}"),
+    )
     return SimpleNamespace(
         epoch=epoch,
         env_steps=1000 * epoch,
