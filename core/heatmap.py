@@ -112,7 +112,7 @@ def heatmap(
         chosen(scores.shortfall),
         np.asarray(schedule),
         np.take_along_axis(grid, best[..., None], 2)[:, :, 0],
-        ShortLeg(*map(chosen, scores.legs)),
+        jax.tree.map(chosen, scores.legs),
     )
 
 

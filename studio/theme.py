@@ -77,6 +77,7 @@ STYLE = """
 .tg-chips button[aria-pressed="true"] { background: #1e6091; border-color: #1e6091; color: #fff; }
 .tg-chips .tg-gap { flex-grow: 1; }
 .tg-chips + .tg-chips { margin-top: 0.45em; }
+.tg-map .tg-readout { white-space: normal; min-height: 2.9em; }
 .tg-heat image { cursor: crosshair; image-rendering: pixelated; }
 </style>
 """

@@ -108,10 +108,10 @@ def clicked_schedule(picture: Picture, value: str) -> tuple[int, ...] | None:
 def _caption(picture: Picture, variables: Sequence[Variable]) -> str:
     heatmap = picture.heatmap
     others = [i for i in range(len(variables)) if i not in heatmap.axes]
-    lines = ["Point at a cell to read it, click to see that schedule carried out."]
+    lines = ["Click a cell to see that schedule carried out."]
     if others:
         fixed = ", ".join(f"{variables[i].name} = {picture.choice[i]}" for i in others)
-        lines.append(f"Marked choice: {fixed}.")
+        lines.append(f"The critic's choice has {fixed}.")
     keys = [
         f'<span style="color:{SHOWN}">◯</span> shown',
         f'<span style="color:#868e96">◯</span> critic\'s choice (epoch {picture.subject.epoch})',

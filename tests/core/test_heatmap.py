@@ -1,4 +1,6 @@
-"""The map over a real task with untrained networks: what is checked is which schedules it scores."""
+"""The map over a real task with untrained networks: which schedules does it score?"""
+
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,12 +13,12 @@ BASE = np.array([20, 50, 15, 0, 0, 0, 0, 0], np.int32)
 
 
 @pytest.fixture(scope="module")
-def asked(linear_task, small_algorithm):
+def asked(linear_task, small_algorithm) -> Any:
     parameters = fresh_learner(linear_task, small_algorithm, seed=0).parameters
     return linear_task, small_algorithm, parameters, initial_state(linear_task)
 
 
-def test_cells_have_their_schedules_scores(asked):
+def test_cells_have_their_schedules_scores(asked: Any):
     drawn = heatmap(*asked, BASE, (0, 1))
     assert drawn.values.shape == (41, 91)
     assert drawn.first.size <= RESOLUTION
@@ -28,7 +30,7 @@ def test_cells_have_their_schedules_scores(asked):
     assert drawn.legs.needed[7, 30] == pytest.approx(float(alone.legs.needed[0]))
 
 
-def test_more_schedules_than_a_batch_are_scored_in_pieces(asked):
+def test_more_schedules_than_a_batch_are_scored_in_pieces(asked: Any):
     schedules = random_schedules(asked[0], BATCH + 5, {})
     together = score(*asked, schedules)
     assert together.values.shape == (BATCH + 5,)
@@ -36,7 +38,7 @@ def test_more_schedules_than_a_batch_are_scored_in_pieces(asked):
     np.testing.assert_allclose(together.values[BATCH:], last.values, atol=1e-4)
 
 
-def test_the_best_over_the_rest_is_at_least_every_alternative(asked):
+def test_the_best_over_the_rest_is_at_least_every_alternative(asked: Any):
     task, algorithm = asked[:2]
     rest = random_schedules(task, 4, {})
     best = heatmap(*asked, BASE, (0, 1), rest)
@@ -53,12 +55,12 @@ def test_the_best_over_the_rest_is_at_least_every_alternative(asked):
     assert float(kept) == pytest.approx(float(liking.max()), abs=1e-3)
 
 
-def test_fixed_entries_stay(asked):
+def test_fixed_entries_stay(asked: Any):
     best = best_schedule(*asked, {1: 60, 2: 12})
     assert best[1:3].tolist() == [60, 12]
     assert 0 <= best[0] <= 90
 
 
 @pytest.mark.parametrize(("axes", "shape"), [((0,), (1, 91)), ((), (1, 1))])
-def test_fewer_axes(asked, axes, shape):
+def test_fewer_axes(asked: Any, axes, shape):
     assert heatmap(*asked, BASE, axes).values.shape == shape

@@ -1,3 +1,5 @@
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -42,7 +44,8 @@ def test_two_places_at_once_are_a_conflict(task):
 
 
 def test_texts_are_taken_from_arrays(task):
-    legs = ShortLeg(*(np.array([[value]]) for value in (0, 1, 22.3, 10.0, False)))
+    values: Any = [np.array([[value]]) for value in (0, 1, 22.3, 10.0, False)]
+    legs = ShortLeg(*values)
     assert leg_text(task, legs, (0, 0)) == "A1 to A2 needs 23 steps, has 10"
-    ample = legs._replace(available=np.array([[40.0]]))
+    ample = legs._replace(available=jnp.array([[40.0]]))
     assert "visits" in leg_text(task, ample, (0, 0))
