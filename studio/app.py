@@ -116,6 +116,7 @@ def serve(
         UserError: an unknown task, a bad scene file, or an address that cannot be used.
     """
     studio = Studio(opened_scene(task, scene), formula, host, port)
+    studio.session.post(studio.session.show_shipped)
     print(f"TGPO Studio runs at {studio.url}  (Ctrl+C ends it)", flush=True)
     if open_browser:
         threading.Thread(target=webbrowser.open, args=(studio.url,), daemon=True).start()

@@ -8,16 +8,20 @@ import time
 import traceback
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from queue import Empty, SimpleQueue
 
 from core.errors import UserError
 from core.training import TrainingConfig
 from scenes import Scene, load_task
 from studio.analyst import Analyst
+from studio.bundle import Policy
 from studio.document import Document
 from studio.editor import Editor
 from studio.meaning import differences, stale_text
 from studio.player import Player
+from studio.settings import Settings, method_of, mode_of, prolonged
+from studio.shipped import shipped_policy
 from studio.specification import Specification, edited, specify
 from studio.worker import Stage, Trainer, Training
 
@@ -36,7 +40,9 @@ class Session:
         self.document = Document(self.specification.scene)
         self.editor = Editor(self.document)
         self.trainer, self.analyst, self.player = Trainer(), Analyst(), Player()
-        self.time_limit = 60.0
+        self.settings = Settings()
+        self.queued: Specification | None = None
+        """What is trained on when the present training has ended."""
         self.error = ""
         self.highlighted: tuple[str, ...] = ()
         """Regions pointed out in the scene."""
@@ -52,6 +58,11 @@ class Session:
     def training(self) -> Training:
         """The latest snapshot."""
         return self.trainer.snapshot
+
+    @property
+    def trained(self) -> Scene | None:
+        """The scene that was trained on."""
+        return self._trained
 
     @property
     def text(self) -> str:
@@ -92,18 +103,35 @@ class Session:
             self._apply(self._take_draft)
         if not self.editor.dragging and self.document.revision != self._judged:
             self._apply(self._judge, keep_error=True)
+        waiting = self.queued
+        if waiting is not None and not self.training.busy:
+            self._apply(partial(self._start, waiting), keep_error=True)
         self._pass_on()
         self.player.tick(now)
 
     def choose_task(self, name: str) -> None:
         """Go to a shipped task; what was learnt on the last one is dropped."""
         self.open(load_task(name))
+        self.show_shipped()
+
+    def show_shipped(self) -> None:
+        """Show the policy that comes with the task, if there is one for the scene as it is."""
+        scene, task = self.specification.scene, self.specification.task
+        policy = None if task is None else shipped_policy(scene, task)
+        if policy is not None:
+            self._adopt(policy, "a policy that comes with the task")
+
+    def load(self, policy: Policy, origin: str) -> None:
+        """Go to the scene of a policy from elsewhere and show what it does."""
+        self.open(policy.scene)
+        self._adopt(policy, origin)
 
     def open(self, scene: Scene) -> None:
         """Go to another scene."""
         self.trainer.forget()
         self.analyst.forget()
         self.player.load(None)
+        self.queued = None
         self._draft = self._refused = self._shown = self._trained = None
         self.document = Document(scene)
         self.editor = Editor(self.document)
@@ -128,21 +156,74 @@ class Session:
         self.editor.check_selection()
 
     def train(self) -> None:
-        """Start training on the formula in the editor, if it is right."""
+        """Train on the formula in the editor, if it is right: now, or after what runs."""
         self._take_draft()
         self._judge()
         specification = self.specification
         if specification.error or specification.task is None:
             raise UserError("Training needs a formula without errors.")
-        self.analyst.forget()
-        self.player.load(None)
-        self._shown, self._trained = None, specification.scene
-        config = self._make_config(specification.scene, self.time_limit)
-        self.trainer.start(specification.task, config)
+        if self.training.busy:
+            self.queued = specification
+        else:
+            self._start(specification)
+
+    def train_longer(self) -> None:
+        """Go on past the target, for as long again as the time limit."""
+        training = self.training
+        if self.analyst.stale or training.config is None:
+            raise UserError(self.analyst.stale or "There is no training to go on with.")
+        limit = self.settings.time_limit
+        self.trainer.proceed(prolonged(training.config, training.trained_seconds, limit))
+
+    def policy(self) -> Policy:
+        """What was learnt, to keep.
+
+        Raises:
+            UserError: nothing was learnt yet.
+        """
+        training, scene = self.training, self._trained
+        if training.parameters is None or training.config is None or scene is None:
+            raise UserError("There is no policy yet. Train first, or load one.")
+        algorithm, success = training.config.algorithm, training.success
+        return Policy(
+            scene,
+            mode_of(algorithm),
+            method_of(algorithm),
+            training.config.seed,
+            algorithm,
+            training.parameters,
+            float("nan") if success is None else success,
+            float("nan"),
+            training.epoch,
+        )
 
     def close(self) -> bool:
         """End the threads; whether all have ended."""
         return all([self.trainer.close(), self.analyst.close()])
+
+    def _start(self, specification: Specification) -> None:
+        assert specification.task is not None
+        self.queued = None
+        self.analyst.forget()
+        self.player.load(None)
+        self._shown, self._trained = None, specification.scene
+        config = self._make_config(specification.scene, self.settings.time_limit)
+        self.trainer.start(specification.task, self.settings.applied(config, specification.scene))
+
+    def _adopt(self, policy: Policy, origin: str) -> None:
+        task = self.specification.task
+        if task is None:
+            raise UserError(self.specification.error)
+        config = TrainingConfig(policy.algorithm, seed=policy.seed)
+        self.trainer.adopt(
+            task,
+            config,
+            policy.parameters,
+            epoch=policy.epochs,
+            success=policy.success_rate,
+            origin=origin,
+        )
+        self._shown, self._trained = None, self.specification.scene
 
     def _take_draft(self) -> None:
         """Put the formula that was typed last into the document; one that does not fit is shown."""
@@ -178,7 +259,7 @@ class Session:
         training = self.training
         self.analyst.stale = stale_text(self.stale_reasons)
         self.analyst.observe(training)
-        ended = training.stage in (Stage.DONE, Stage.STOPPED)
+        ended = training.stage in (Stage.DONE, Stage.STOPPED, Stage.LOADED)
         unseen = self._shown is None or self._shown.stage is not training.stage
         wanted = self.player.recording is None and not self.analyst.stale
         if ended and unseen and training.parameters is not None and wanted:

@@ -37,7 +37,7 @@ STYLE = """
 .tg-scroll { overflow-x: auto; }
 .tg-badge { display: inline-block; border-radius: 999px; padding: 0.1em 0.75em; font-weight: 600;
   color: #fff; }
-.tg-cards { display: grid; grid-template-columns: repeat(4, 1fr); gap: 0.4em; }
+.tg-cards { display: grid; grid-template-columns: repeat(3, 1fr); gap: 0.4em; }
 .tg-card { background: var(--mantine-color-gray-0); border: 1px solid var(--mantine-color-gray-2);
   border-radius: 4px; padding: 0.3em 0.5em; }
 .tg-card b { display: block; font-size: 1.2em; font-weight: 600; white-space: nowrap; }

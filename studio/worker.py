@@ -78,6 +78,16 @@ class Training:
         return self.stage in (Stage.COMPILING, Stage.TRAINING)
 
     @property
+    def busy(self) -> bool:
+        """Whether it runs or has halted: another training waits for its end."""
+        return self.running or self.stage is Stage.PAUSED
+
+    @property
+    def trained_seconds(self) -> float:
+        """What counts against the time limit: of the state that the training goes on from [s]."""
+        return 0.0 if self.state is None else float(self.state.seconds)
+
+    @property
     def success(self) -> float | None:
         """Success rate of the last evaluation, None before the first."""
         rate = self.curve[-1].success if self.curve else float("nan")

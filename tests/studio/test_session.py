@@ -24,11 +24,12 @@ def session(monkeypatch):
         env_steps=10,
         train_seconds=0.1,
         batch_success=0.5,
+        batch_return=0.0,
         evaluation=SimpleNamespace(success_rate=1.0),
         parameters="weights",
         state=state,
     )
-    monkeypatch.setattr(worker, "train", lambda task, config: iter([epoch]))
+    monkeypatch.setattr(worker, "train", lambda task, config, state=None: iter([epoch]))
     monkeypatch.setattr(analyst, "_draw", lambda subject, axes: cast(Any, (subject, axes)))
 
     def answer(self, subject, request):

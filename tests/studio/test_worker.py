@@ -26,6 +26,7 @@ def progress(epoch, success=None, best="best"):
         env_steps=1000 * epoch,
         train_seconds=0.5 * epoch,
         batch_success=0.1 * epoch,
+        batch_return=0.0,
         evaluation=evaluation,
         parameters=f"weights{epoch}",
         state=state,
@@ -45,7 +46,7 @@ class ScriptedTrainer(Trainer):
 def trainer(monkeypatch):
     trainer = ScriptedTrainer()
 
-    def train(task, config):
+    def train(task, config, state=None):
         for step in trainer.script:
             trainer.gate.acquire()
             if isinstance(step, Exception):
