@@ -43,8 +43,9 @@ class FloorView:
         on_level_drag(floor, draw, height=0.0, modifier="shift")
         if drawing:
             on_level_drag(floor, draw, height=0.0)
+        # Not below the floor: the grid would pass on clicks that hit it, standing upright.
         self._scene.add_grid(
-            "/floor/grid",
+            "/grid",
             width,
             depth,
             cell_size=1.0,
@@ -52,7 +53,7 @@ class FloorView:
             cell_color=GRID,
             section_color=GRID,
             shadow_opacity=0.0,
-            position=(0.0, 0.0, 0.053),
+            position=(*middle, 0.002),
         )
 
 
