@@ -9,16 +9,17 @@ from core.heatmap import BATCH, COARSE, RESOLUTION, best_schedule, heatmap, rand
 from core.programs import fresh_learner
 from studio.analyst import initial_state
 
+Asked = tuple[Any, Any, Any, Any]
 BASE = np.array([20, 50, 15, 0, 0, 0, 0, 0], np.int32)
 
 
 @pytest.fixture(scope="module")
-def asked(linear_task, small_algorithm) -> Any:
+def asked(linear_task, small_algorithm) -> Asked:
     parameters = fresh_learner(linear_task, small_algorithm, seed=0).parameters
     return linear_task, small_algorithm, parameters, initial_state(linear_task)
 
 
-def test_cells_have_their_schedules_scores(asked: Any):
+def test_cells_have_their_schedules_scores(asked: Asked):
     drawn = heatmap(*asked, BASE, (0, 1))
     assert drawn.values.shape == (41, 91)
     assert drawn.first.size <= RESOLUTION
@@ -30,7 +31,7 @@ def test_cells_have_their_schedules_scores(asked: Any):
     assert drawn.legs.needed[7, 30] == pytest.approx(float(alone.legs.needed[0]))
 
 
-def test_more_schedules_than_a_batch_are_scored_in_pieces(asked: Any):
+def test_more_schedules_than_a_batch_are_scored_in_pieces(asked: Asked):
     schedules = random_schedules(asked[0], BATCH + 5, {})
     together = score(*asked, schedules)
     assert together.values.shape == (BATCH + 5,)
@@ -38,7 +39,7 @@ def test_more_schedules_than_a_batch_are_scored_in_pieces(asked: Any):
     np.testing.assert_allclose(together.values[BATCH:], last.values, atol=1e-4)
 
 
-def test_the_best_over_the_rest_is_at_least_every_alternative(asked: Any):
+def test_the_best_over_the_rest_is_at_least_every_alternative(asked: Asked):
     task, algorithm = asked[:2]
     rest = random_schedules(task, 4, {})
     best = heatmap(*asked, BASE, (0, 1), rest)
@@ -55,12 +56,12 @@ def test_the_best_over_the_rest_is_at_least_every_alternative(asked: Any):
     assert float(kept) == pytest.approx(float(liking.max()), abs=1e-3)
 
 
-def test_fixed_entries_stay(asked: Any):
+def test_fixed_entries_stay(asked: Asked):
     best = best_schedule(*asked, {1: 60, 2: 12})
     assert best[1:3].tolist() == [60, 12]
     assert 0 <= best[0] <= 90
 
 
 @pytest.mark.parametrize(("axes", "shape"), [((0,), (1, 91)), ((), (1, 1))])
-def test_fewer_axes(asked: Any, axes, shape):
+def test_fewer_axes(asked: Asked, axes, shape):
     assert heatmap(*asked, BASE, axes).values.shape == shape
