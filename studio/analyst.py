@@ -25,8 +25,8 @@ from core.task import Task
 from studio.recording import Recording, record
 from studio.worker import Training
 
-ROLLOUTS = 8
-"""Rollouts of the compiled program. A click needs one; the critic's choice is the best of 8."""
+ROLLOUTS = 20
+"""Rollouts of the only compiled program: a click needs one, a sample of random starts all."""
 
 PERIOD = 0.7
 """Least time between the starts of two heatmaps [s]."""
@@ -65,9 +65,10 @@ class Picture:
 
 @dataclass(frozen=True)
 class _Request:
-    """A schedule to roll out; None for the critic's choice."""
+    """A schedule to roll out, None for the critic's choice; or a sample of random starts."""
 
-    schedule: tuple[int, ...] | None
+    schedule: tuple[int, ...] | None = None
+    sample: bool = False
 
 
 class Analyst:
@@ -80,6 +81,11 @@ class Analyst:
         self.stale = ""
         """Why the weights do not answer for the scene shown, empty if they do."""
         self.view = MapView()
+        self.sample: tuple[Recording, ...] = ()
+        """Rollouts from random starts; whoever takes them puts an empty tuple in their place."""
+        self.start: tuple[float, ...] | None = None
+        """Position at which rollouts start [d] in [m]; None for the centre of the initial set."""
+        self._samples = 0
         self._subject: Subject | None = None
         self._request: _Request | None = None
         self._closed = False
@@ -120,16 +126,29 @@ class Analyst:
         Raises:
             UserError: the weights were learnt on another scene than the one shown.
         """
+        self._post(_Request(schedule))
+
+    def ask_sample(self) -> None:
+        """Roll out from random starts, other ones each time, with the schedules of the critic."""
+        self._post(_Request(sample=True))
+
+    def _post(self, request: _Request) -> None:
         if self.stale:
             raise UserError(self.stale)
         if self._subject is not None:
-            self._request = _Request(schedule)
+            self._request = request
             self._wake.set()
+
+    def choose_start(self, position: tuple[float, ...] | None) -> None:
+        """Start rollouts, and value schedules, at a position [m]."""
+        self.start = position
+        self._wake.set()
 
     def forget(self) -> None:
         """Drop the subject and all answers."""
         self._subject = self._request = None
-        self.picture = self.recording = None
+        self.picture = self.recording = self.start = None
+        self.sample = ()
         self.error, self.view = "", MapView()
 
     def close(self) -> bool:
@@ -140,18 +159,19 @@ class Analyst:
         return not self._thread.is_alive()
 
     def _work(self) -> None:
-        drawn, due = (None, None), 0.0
+        drawn, due = (None, None, None), 0.0
         while not self._closed:
             self._wake.wait(timeout=max(0.1, due - time.monotonic()))
             self._wake.clear()
-            subject, view, request = self._subject, self.view, self._request
+            subject, request = self._subject, self._request
+            wanted = (subject, self.view, self.start)
             try:
                 if subject is not None and request is not None:
                     self._answer(subject, request)
                 elif subject is not None and time.monotonic() >= due:
-                    if subject is not drawn[0] or view != drawn[1]:
-                        drawn, due = (subject, view), time.monotonic() + PERIOD
-                        self.picture = _draw(subject, view)
+                    if subject is not drawn[0] or wanted[1:] != drawn[1:]:
+                        drawn, due = wanted, time.monotonic() + PERIOD
+                        self.picture = _draw(subject, *wanted[1:])
                         self.error = ""
             except Exception as error:  # noqa: BLE001 - the page shows it and lives on
                 traceback.print_exc()
@@ -160,15 +180,20 @@ class Analyst:
 
     def _answer(self, subject: Subject, request: _Request) -> None:
         """Roll out, unless a newer request has come meanwhile."""
-        schedule = request.schedule
+        if request.sample:
+            self._samples += 1
+            self.sample = _random_starts(subject, self._samples)
+            self._request = None if self._request is request else self._request
+            return
+        schedule, start = request.schedule, self.start
         if schedule is None:
             if self.picture is None or self.picture.subject is not subject:
-                self.picture = _draw(subject, self.view)
+                self.picture = _draw(subject, self.view, start)
             schedule = self.picture.choice
         rollout = _programs(subject).roll_out(
             subject.task.problem,
             subject.parameters,
-            _repeated(initial_state(subject.task)),
+            _repeated(initial_state(subject.task, start)),
             _repeated(jnp.asarray(_padded(schedule))),
         )
         traces = (np.asarray(field)[:, 0] for field in rollout)
@@ -195,17 +220,31 @@ def time_variables(task: Task) -> tuple[int, ...]:
     return tuple(i for i, variable in enumerate(variables) if variable.kind == "time")
 
 
-def initial_state(task: Task) -> Array:
-    """At rest in the centre of the initial set [n]."""
+def initial_state(task: Task, start: tuple[float, ...] | None = None) -> Array:
+    """At rest at a position, by default the centre of the initial set [n]."""
     data = task.problem.world
-    center = (data.initial_low + data.initial_high) / 2
-    return task.robot.rest(jax.random.key(0), jnp.asarray(center))
+    position = (data.initial_low + data.initial_high) / 2 if start is None else start
+    return task.robot.rest(jax.random.key(0), jnp.asarray(position, jnp.float32))
 
 
-def _draw(subject: Subject, view: MapView) -> Picture:
+def _random_starts(subject: Subject, seed: int) -> tuple[Recording, ...]:
+    """Rollouts from random initial states, each with the schedule that the critic chooses."""
+    programs, task = _programs(subject), subject.task
+    initial_key, choice_key = jax.random.split(jax.random.key(seed))
+    states = programs.initial(task.problem, initial_key)
+    schedules, _ = programs.choose(task.problem, subject.parameters, choice_key, states)
+    rollout = programs.roll_out(task.problem, subject.parameters, states, schedules)
+    traces = [np.asarray(field) for field in rollout]
+    return tuple(
+        record(task, schedule, *(trace[:, index] for trace in traces))
+        for index, schedule in enumerate(np.asarray(schedules))
+    )
+
+
+def _draw(subject: Subject, view: MapView, start: tuple[float, ...] | None) -> Picture:
     """The heatmap over two variables, the others as the critic likes them best or as fixed."""
     task, fixed = subject.task, dict(view.fixed)
-    state = initial_state(task)
+    state = initial_state(task, start)
     if fixed:
         asked = (task, subject.algorithm, subject.parameters, state)
         choice = tuple(int(value) for value in best_schedule(*asked, fixed))

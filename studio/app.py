@@ -19,6 +19,7 @@ from core.training import TrainingConfig
 from scenes import Scene, load_scene, load_task
 from studio.commands import add_commands
 from studio.panels.formula import FormulaPanel
+from studio.panels.ghosts import GhostsPanel
 from studio.panels.heatmap import HeatmapPanel
 from studio.panels.monitor import MonitorPanel, PlayheadStyle
 from studio.panels.regions import RegionsPanel
@@ -26,14 +27,18 @@ from studio.panels.rollout import RolloutPanel
 from studio.panels.task import TaskPanel
 from studio.panels.training import TrainingPanel
 from studio.panels.tree import TreePanel
+from studio.playback import add_playback_commands
 from studio.security import start_server
 from studio.session import MakeConfig, Session
 from studio.theme import BRAND, STYLE
 from studio.views.editing import EditingView
 from studio.views.floor import FloorView
+from studio.views.follow import FollowView
+from studio.views.ghosts import GhostsView
 from studio.views.highlight import HighlightView
 from studio.views.regions import RegionsView
 from studio.views.robot import RobotView
+from studio.views.start import StartView
 
 FIRST_TASK = "linear-08"
 FRAME = 1 / 25
@@ -153,6 +158,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
     gui.add_html(STYLE)
     add_commands(gui, session)
+    add_playback_commands(gui, session)
     drawables: list[Drawable] = [
         PlayheadStyle(gui),
         TaskPanel(gui, session),
@@ -165,7 +171,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
         drawables += [TrainingPanel(gui, session), HeatmapPanel(gui, session)]
     rollout = gui.add_panel()
     with rollout.add_tab("Rollout", viser.Icon.ROUTE):
-        drawables.append(RolloutPanel(gui, session))
+        drawables += [RolloutPanel(gui, session), GhostsPanel(gui, session)]
     with rollout.add_tab("Monitor", viser.Icon.TABLE):
         drawables.append(MonitorPanel(gui, session))
     gui.main_panel.dock_left()
@@ -173,5 +179,11 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     learning.dock_right()
     learning.set_width(420)
     rollout.float(x=20, y=-14, width=580)
-    views = [RegionsView(server), HighlightView(server), RobotView(server)]
+    views: list[Drawable] = [
+        RegionsView(server),
+        HighlightView(server),
+        GhostsView(server),
+        RobotView(server),
+    ]
+    views += [StartView(server), FollowView(server)]
     return [*drawables, FloorView(server), *views, EditingView(server)]

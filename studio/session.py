@@ -18,8 +18,10 @@ from studio.analyst import Analyst
 from studio.bundle import Policy
 from studio.document import Document
 from studio.editor import Editor
+from studio.gallery import Gallery
 from studio.meaning import differences, stale_text
 from studio.player import Player
+from studio.recording import Recording
 from studio.settings import Settings, method_of, mode_of, prolonged
 from studio.shipped import shipped_policy
 from studio.specification import Specification, edited, specify
@@ -44,8 +46,11 @@ class Session:
         self.queued: Specification | None = None
         """What is trained on when the present training has ended."""
         self.error = ""
+        self.gallery = Gallery()
         self.highlighted: tuple[str, ...] = ()
         """Regions pointed out in the scene."""
+        self.following = self.choosing_start = False
+        """Whether the camera follows the robot; whether a click on the initial set starts there."""
         self._make_config = make_config
         self._changes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._draft: tuple[str, float] | None = None
@@ -53,6 +58,7 @@ class Session:
         self._judged = 0
         self._trained: Scene | None = None
         self._shown: Training | None = None
+        self._received: Recording | None = None
 
     @property
     def training(self) -> Training:
@@ -130,6 +136,7 @@ class Session:
         """Go to another scene."""
         self.trainer.forget()
         self.analyst.forget()
+        self.gallery.clear()
         self.player.load(None)
         self.queued = None
         self._draft = self._refused = self._shown = self._trained = None
@@ -205,6 +212,7 @@ class Session:
         assert specification.task is not None
         self.queued = None
         self.analyst.forget()
+        self.gallery.clear()
         self.player.load(None)
         self._shown, self._trained = None, specification.scene
         config = self._make_config(specification.scene, self.settings.time_limit)
@@ -266,7 +274,12 @@ class Session:
             self.analyst.ask()
         self._shown = training
         recording = self.analyst.recording
-        if recording is not self.player.recording and (
+        if recording is not self._received and (
             recording is None or recording.task is training.task
         ):
+            self._received = recording
             self.player.load(recording)
+            if recording is not None:
+                self.gallery.add(recording)
+        if self.analyst.sample is not self.gallery.sample and self.analyst.sample:
+            self.gallery.sample, self.analyst.sample = self.analyst.sample, ()

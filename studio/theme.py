@@ -64,6 +64,12 @@ STYLE = """
 .tg-leaf { cursor: pointer; }
 .tg-leaf rect { transition: fill 0.2s; }
 .tg-leaf:hover rect { stroke-opacity: 1; stroke-width: 1.8; }
+.tg-legend { margin-top: 0.45em; display: flex; flex-wrap: wrap; gap: 0.35em; align-items: center; }
+.tg-chip { font: inherit; font-size: 0.9em; cursor: pointer; border-radius: 999px; color: inherit;
+  border: 1px solid var(--mantine-color-gray-4); background: transparent; padding: 0 0.7em; }
+.tg-chip[aria-pressed="true"] { border-color: #1e6091; box-shadow: 0 0 0 1px #1e6091; }
+.tg-chip .tg-dot { border-radius: 50%; }
+.tg-sample { font-weight: 600; }
 .tg-rows { max-height: 220px; overflow-y: auto; margin: 0.35em 0 0.25em; }
 .tg-rows image { image-rendering: pixelated; cursor: pointer; }
 .tg-readout { min-height: 1.45em; white-space: nowrap; overflow: hidden; text-overflow: ellipsis;

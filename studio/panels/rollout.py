@@ -13,7 +13,7 @@ from studio.recording import Recording
 from studio.session import Session
 from studio.theme import BAD, GOOD
 
-RESTART, TOGGLE = "restart", "toggle"
+RESTART, TOGGLE, BACK, FORTH = "restart", "toggle", "back", "forth"
 
 
 class RolloutPanel:
@@ -62,7 +62,8 @@ class RolloutPanel:
         )
         return (
             f'<div class="tg"><div class="tg-transport">{self._button("↺ Restart", RESTART)}'
-            f'{self._button(name, TOGGLE)}<span class="tg-gap"></span>'
+            f"{self._button('◂', BACK)}{self._button(name, TOGGLE)}{self._button('▸', FORTH)}"
+            f'<span class="tg-gap"></span>'
             f'<span class="tg-dim">Speed</span>{speeds}</div></div>'
         )
 
@@ -116,5 +117,7 @@ def _press(session: Session, value: str) -> None:
         session.player.restart()
     elif value == TOGGLE:
         session.player.toggle()
+    elif value in (BACK, FORTH):
+        session.player.step(1 if value == FORTH else -1)
     elif value in map(str, SPEEDS):
         session.player.speed = int(value)

@@ -18,7 +18,8 @@ LATE = 1e12
 @pytest.fixture
 def session(monkeypatch):
     """A session whose trainer ends after an epoch and whose analyst answers with markers."""
-    state = SimpleNamespace(best="best", best_success=1.0)
+    learner = SimpleNamespace(chains=None)
+    state = SimpleNamespace(best="best", best_success=1.0, learner=learner)
     epoch = SimpleNamespace(
         epoch=1,
         env_steps=10,
@@ -30,7 +31,7 @@ def session(monkeypatch):
         state=state,
     )
     monkeypatch.setattr(worker, "train", lambda task, config, state=None: iter([epoch]))
-    monkeypatch.setattr(analyst, "_draw", lambda subject, axes: cast(Any, (subject, axes)))
+    monkeypatch.setattr(analyst, "_draw", lambda *asked: cast(Any, asked))
 
     def answer(self, subject, request):
         self.recording = SimpleNamespace(

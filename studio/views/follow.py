@@ -1,0 +1,39 @@
+"""The camera goes along with the robot, each client's as it is turned."""
+
+import numpy as np
+import viser
+
+from studio.session import Session
+from studio.views.robot import interpolated
+
+LEAST = 0.03
+"""Way of the robot after which the camera is moved [m]."""
+
+
+class FollowView:
+    """Moves the cameras by what the robot has moved, while `Session.following`."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._server = server
+        self._last: np.ndarray | None = None
+
+    def draw(self, session: Session) -> None:
+        """Follow the playhead."""
+        player = session.player
+        if not session.following or player.recording is None:
+            self._last = None
+            return
+        here = interpolated(player.recording, player.position)[1]
+        clients = self._server.get_clients().values()
+        if self._last is None:
+            moves = [here - np.asarray(client.camera.look_at) for client in clients]
+        else:
+            moves = [here - self._last] * len(clients)
+            if np.linalg.norm(moves[0] if moves else 0) < LEAST:
+                return
+        self._last = here
+        for client, move in zip(clients, moves, strict=True):
+            with client.atomic():
+                position = np.asarray(client.camera.position) + move
+                client.camera.look_at = np.asarray(client.camera.look_at) + move
+                client.camera.position = position
