@@ -22,6 +22,8 @@ FORMULA = "F_[0:90](A1) & F_[40:80](A2) & G_[0:100](!B5)"
 LEAF_FILLS = """() => [...document.querySelectorAll('.tg-leaf')].map(
     leaf => getComputedStyle(leaf.querySelector('rect')).fill)"""
 
+HOLDING, VIOLATED = "rgb(235, 251, 238)", "rgb(255, 201, 201)"
+
 
 @pytest.fixture
 def studio(small_algorithm):
@@ -40,15 +42,8 @@ def studio(small_algorithm):
     assert not loop.is_alive()
 
 
-def path_of(page, node):
-    """Points of a line in the viewer's scene graph, as text."""
-    return page.evaluate(
-        """name => {
-            const points = window.__viserSceneTree.getState()[name]?.message.props.points;
-            return points ? JSON.stringify(Array.from(points)) : null;
-        }""",
-        node,
-    )
+def wait_for_leaf(page, color):
+    page.wait_for_function(f"color => ({LEAF_FILLS})().includes(color)", arg=color)
 
 
 def legend(page):
@@ -59,7 +54,6 @@ def test_rollouts_stay_as_ghosts_and_say_what_failed(studio, page):
     page.goto(studio.url)
     page.wait_for_selector("image.tg-cells", timeout=240_000)
     wait_for_text(page, ".tg-legend", "t1 =")
-    plain = page.evaluate(LEAF_FILLS)
     page.get_by_role("button", name="Clear").click()
     page.wait_for_function("!document.querySelector('.tg-chip')")
 
@@ -91,12 +85,11 @@ def test_rollouts_stay_as_ghosts_and_say_what_failed(studio, page):
     page.get_by_role("tab", name="Rollout").click()
 
     studio.session.post(lambda: studio.session.player.seek(0))
-    page.wait_for_function(f"before => ({LEAF_FILLS})().join() !== before", arg=",".join(plain))
-    started = page.evaluate(LEAF_FILLS)
+    wait_for_leaf(page, HOLDING)
     standing = robot_at(page)
     studio.session.post(lambda: studio.session.player.seek(1000))
-    page.wait_for_function(f"before => ({LEAF_FILLS})().join() !== before", arg=",".join(started))
-    assert "rgb(255, 201, 201)" in page.evaluate(LEAF_FILLS), "untrained, it misses a goal"
+    wait_for_leaf(page, VIOLATED)
+    page.wait_for_function(f"color => !({LEAF_FILLS})().includes(color)", arg=HOLDING)
     wait_until_robot_leaves(page, standing)
 
     page.locator(".tg-leaf").first.hover()
