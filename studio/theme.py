@@ -38,14 +38,16 @@ STYLE = """
 .tg-badge { display: inline-block; border-radius: 999px; padding: 0.1em 0.75em; font-weight: 600;
   color: #fff; }
 .tg-cards { display: grid; grid-template-columns: repeat(3, 1fr); gap: 0.4em; }
-.tg-card { background: var(--mantine-color-gray-0); border: 1px solid var(--mantine-color-gray-2);
+.tg-tour { border-color: #1e6091; background: #eaf3fa; color: #17445f; margin-top: 0.5em; }
+.tg-card { background: var(--mantine-color-default-hover);
+  border: 1px solid var(--mantine-color-default-border);
   border-radius: 4px; padding: 0.3em 0.5em; }
 .tg-card b { display: block; font-size: 1.2em; font-weight: 600; white-space: nowrap; }
 .tg-card span { color: var(--mantine-color-dimmed); font-size: 0.85em; white-space: nowrap; }
 .tg table { border-collapse: collapse; width: 100%; font-size: 12px; }
 .tg th { text-align: left; font-weight: 500; color: var(--mantine-color-dimmed);
-  border-bottom: 1px solid var(--mantine-color-gray-3); padding: 0.15em 0.6em 0.15em 0; }
-.tg td { padding: 0.2em 0.6em 0.2em 0; border-bottom: 1px solid var(--mantine-color-gray-1);
+  border-bottom: 1px solid var(--mantine-color-default-border); padding: 0.15em 0.6em 0.15em 0; }
+.tg td { padding: 0.2em 0.6em 0.2em 0; border-bottom: 1px solid var(--mantine-color-default-border);
   vertical-align: top; }
 .tg-dot { display: inline-block; width: 0.7em; height: 0.7em; border-radius: 2px;
   margin-right: 0.45em; vertical-align: -0.02em; }
@@ -55,9 +57,9 @@ STYLE = """
   padding-bottom: 0.25em; }
 .tg-transport { display: flex; gap: 0.4em; align-items: center; }
 .tg-transport button { font: inherit; font-size: 0.95em; cursor: pointer; border-radius: 4px;
-  border: 1px solid var(--mantine-color-gray-4); background: var(--mantine-color-body);
+  border: 1px solid var(--mantine-color-default-border); background: var(--mantine-color-body);
   color: var(--mantine-color-text); padding: 0.15em 0.7em; min-width: 2.6em; }
-.tg-transport button:hover { background: var(--mantine-color-gray-1); }
+.tg-transport button:hover { background: var(--mantine-color-default-hover); }
 .tg-transport button[aria-pressed="true"] { background: #1e6091; border-color: #1e6091;
   color: #fff; }
 .tg-transport .tg-gap { flex-grow: 1; }
