@@ -55,7 +55,8 @@ def _walk(studio: Studio, page: Page, folder: Path) -> None:
     _take(page, folder / "studio.png")
 
     page.get_by_role("button", name="Train", exact=True).click()
-    page.wait_for_function("document.querySelector('.tg-training').textContent.includes('return')")
+    while session.training.epoch < 7:
+        page.wait_for_timeout(50)
     page.wait_for_selector("image.tg-cells")
     _take(page, folder / "training.png")
     page.wait_for_function("document.querySelector('.tg-training').textContent.includes('Done')")
