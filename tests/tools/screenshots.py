@@ -64,7 +64,7 @@ def _walk(studio: Studio, page: Page, folder: Path) -> None:
 
     box = page.locator("image.tg-cells").bounding_box()
     assert box is not None
-    page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 0.3 * box["height"])
+    page.mouse.click(box["x"] + 0.42 * box["width"], box["y"] + 0.55 * box["height"])
     chosen = session.player.recording
     page.wait_for_function("document.querySelector('.tg-verdict') !== null")
     _play_until(page, studio, 70, unless=chosen)
