@@ -37,7 +37,12 @@ def rollout_html(session: Session, recording: Recording) -> bytes:
         RegionsView(server).draw(session)
         robot = RobotView(server)
         player = SimpleNamespace(recording=recording, position=0.0)
-        shown = cast(Any, SimpleNamespace(player=player, specification=session.specification))
+        shown = cast(
+            Any,
+            SimpleNamespace(
+                player=player, specification=session.specification, analyst=session.analyst
+            ),
+        )
         robot.draw(shown)
         serializer = server.get_scene_serializer()
         step = FRAME * SPEED / recording.task.robot.dt
