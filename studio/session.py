@@ -152,8 +152,10 @@ class Session:
     def undo(self) -> None:
         """Take back the last step, typing included."""
         self._take_draft()
-        self.editor.cancel()
-        self.document.undo()
+        if self.editor.dragging:
+            self.editor.cancel()
+        else:
+            self.document.undo()
         self.editor.check_selection()
 
     def redo(self) -> None:

@@ -13,7 +13,7 @@ from studio.clicks import ClickField
 from studio.figures.curve import curve_svg
 from studio.figures.heatmap import TOLERANCE, Drawing, Mark, heatmap_svg
 from studio.figures.svg import escape
-from studio.panels.html import Html
+from studio.panels.html import Html, note
 from studio.panels.map_options import MapOptions
 from studio.session import Session
 
@@ -29,6 +29,7 @@ class HeatmapPanel:
         with gui.add_folder("Critic: when to do what"):
             self._clicks = ClickField(gui, lambda value: session.post(partial(self._click, value)))
             self._options = MapOptions(gui, session)
+            self._stale = Html(gui)
             self._map = Html(gui)
             self._best = gui.add_button(
                 "Roll out the critic's choice", icon=viser.Icon.ROUTE, visible=False
@@ -40,6 +41,7 @@ class HeatmapPanel:
 
     def draw(self, session: Session) -> None:
         """Show the newest picture of the present training."""
+        self._stale.show(note(session.analyst.stale, "warn"))
         picture, training = session.analyst.picture, session.training
         if picture is not None and picture.subject.task is not training.task:
             picture = None

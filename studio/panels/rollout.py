@@ -7,7 +7,7 @@ import viser
 from studio.clicks import ClickField
 from studio.figures.svg import escape
 from studio.figures.timeline import timeline_svg
-from studio.panels.html import Html
+from studio.panels.html import Html, note
 from studio.player import SPEEDS, Player
 from studio.recording import Recording
 from studio.session import Session
@@ -21,6 +21,7 @@ class RolloutPanel:
 
     def __init__(self, gui: viser.GuiApi, session: Session) -> None:
         self._recording: Recording | None = None
+        self._stale = Html(gui)
         self._verdict = Html(gui)
         self._clicks = ClickField(gui, lambda value: session.post(partial(_press, session, value)))
         self._slider = gui.add_slider("Step", min=0, max=1, step=1, initial_value=0, visible=False)
@@ -33,6 +34,7 @@ class RolloutPanel:
 
     def draw(self, session: Session) -> None:
         """Show the recording and follow the playhead."""
+        self._stale.show(note(session.analyst.stale, "warn"))
         player = session.player
         if player.recording is not self._recording:
             self._load(player.recording)
