@@ -41,8 +41,8 @@ class HeatmapPanel:
 
     def draw(self, session: Session) -> None:
         """Show the newest picture of the present training."""
-        self._stale.show(note(session.analyst.stale, "warn"))
         picture, training = session.analyst.picture, session.training
+        self._stale.show(note(session.analyst.stale if picture else "", "warn"))
         if picture is not None and picture.subject.task is not training.task:
             picture = None
         recording = session.player.recording

@@ -34,8 +34,8 @@ class RolloutPanel:
 
     def draw(self, session: Session) -> None:
         """Show the recording and follow the playhead."""
-        self._stale.show(note(session.analyst.stale, "warn"))
         player = session.player
+        self._stale.show(note(session.analyst.stale if player.recording else "", "warn"))
         if player.recording is not self._recording:
             self._load(player.recording)
         if self._recording is None:
