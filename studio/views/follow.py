@@ -6,6 +6,9 @@ import viser
 from studio.session import Session
 from studio.views.robot import interpolated
 
+NEARER = 0.25
+"""Share of the way to the camera by which it looks short of the robot: a panel covers the rest."""
+
 LEAST = 0.03
 """Way of the robot after which the camera is moved [m]."""
 
@@ -26,14 +29,19 @@ class FollowView:
         here = interpolated(player.recording, player.position)[1]
         clients = self._server.get_clients().values()
         if self._last is None:
-            moves = [here - np.asarray(client.camera.look_at) for client in clients]
+            moves = [_centring(here, client.camera) for client in clients]
         else:
             moves = [here - self._last] * len(clients)
             if np.linalg.norm(moves[0] if moves else 0) < LEAST:
                 return
         self._last = here
         for client, move in zip(clients, moves, strict=True):
-            with client.atomic():
-                position = np.asarray(client.camera.position) + move
-                client.camera.look_at = np.asarray(client.camera.look_at) + move
-                client.camera.position = position
+            # The library moves the point looked at along with the position.
+            client.camera.position = np.asarray(client.camera.position, float) + move
+
+
+def _centring(here: np.ndarray, camera: viser.CameraHandle) -> np.ndarray:
+    """Move that brings the robot into the free upper part of the picture."""
+    target = np.asarray(camera.look_at, float)
+    towards = (np.asarray(camera.position, float) - target) * np.array([1.0, 1.0, 0.0])
+    return here + NEARER * towards - target
