@@ -1,4 +1,4 @@
-import numpy as np
+import jax.numpy as jnp
 import pytest
 
 from scenes import Region
@@ -19,9 +19,9 @@ EDGES = {"rectangle": 4, "circle": 64, "box": 12, "sphere": 192, "cylinder": 128
 def test_an_outline_lies_on_the_boundary(region):
     segments = outline(region, 0.1)
     assert segments.shape == (EDGES[region.kind], 2, 3)
-    arrays = region_arrays([region], region.dimension, 1)
+    arrays = region_arrays((region,), region.dimension, 1)
     for point in segments.reshape(-1, 3)[::7]:
         if region.dimension == 2:
             assert point[2] == pytest.approx(0.1)
-        margin = margins(arrays, np.asarray(point[: region.dimension]))
+        margin = margins(arrays, jnp.asarray(point[: region.dimension]))
         assert float(margin[0]) == pytest.approx(0.0, abs=1e-5)
