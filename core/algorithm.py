@@ -24,12 +24,12 @@ class Algorithm:
     hidden: tuple[int, ...] = (64, 64)
     log_std: float = -0.5
 
-    learning_rate: float = 1e-3
+    learning_rate: float = 2e-3
     weight_decay: float = 0.0
     gradient_norm: float = 0.5
     passes: int = 4
     """Passes of PPO over a batch."""
-    minibatches: int = 8
+    minibatches: int = 16
     discount: float = 0.99
     trace: float = 0.95
     """lambda of the generalised advantage estimate."""
@@ -75,6 +75,7 @@ PAPER = Algorithm(
     hidden=(512, 512, 512),
     learning_rate=3e-4,
     weight_decay=0.1,
+    minibatches=8,
     mcmc_steps=500,
     mcmc_warmup=200,
     mcmc_strides=(1,),

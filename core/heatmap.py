@@ -1,7 +1,14 @@
-"""The critic over two time variables: the heatmap of the paper's Fig. 6."""
+"""The critic over two time variables: the heatmap of the paper's Fig. 6.
 
+Programs score a fixed number of schedules; larger maps are scored in several calls.
+
+Dimensions: h x w cells, V variables, K alternatives for the variables that are not on the axes.
+"""
+
+from collections.abc import Mapping
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -11,13 +18,23 @@ from core.networks import Parameters
 from core.programs import scoring_program
 from core.protocols import Array
 from core.task import Task
+from core.windows import ShortLeg
 
-RESOLUTION = 64
+RESOLUTION = 100
 """Most cells along an axis; wider domains are sampled evenly, ends included."""
+
+COARSE = 48
+"""The same for a map of the best over the rest, which scores many schedules a cell."""
+
+ALTERNATIVES = 16
+"""Values of the rest that such a map tries."""
+
+BATCH = 4096
+"""Schedules that the compiled program scores at a time."""
 
 
 class Heatmap(NamedTuple):
-    """V(s_0, t) over two variables, the others fixed.
+    """V(s_0, t) over two variables, the others fixed or the best of several.
 
     Row i belongs to `second[i]`, column j to `first[j]`; with one variable there is one row.
     """
@@ -28,13 +45,25 @@ class Heatmap(NamedTuple):
     values: np.ndarray  # [h, w] critic, in units of the reward
     shortfall: np.ndarray  # [h, w] steps by which the schedule's legs are too short
     schedule: np.ndarray  # [V] the schedule whose other entries are held fixed
+    schedules: np.ndarray | None = None  # [h, w, V] where they are not
+    legs: ShortLeg | None = None  # [h, w] each: the leg that lacks most time
 
     def schedule_at(self, row: int, column: int) -> np.ndarray:
         """Schedule [V] of a cell."""
+        if self.schedules is not None:
+            return self.schedules[row, column]
         schedule = self.schedule.copy()
         for axis, value in zip(self.axes, (self.first[column], self.second[row]), strict=False):
             schedule[axis] = value
         return schedule
+
+
+class Scores(NamedTuple):
+    """What the critic and the geometry say about N schedules."""
+
+    values: np.ndarray  # [N]
+    shortfall: np.ndarray  # [N] [steps]
+    legs: ShortLeg  # [N] each
 
 
 def heatmap(
@@ -44,6 +73,7 @@ def heatmap(
     state: Array,
     schedule: np.ndarray,
     axes: tuple[int, ...],
+    rest: np.ndarray | None = None,
 ) -> Heatmap:
     """Evaluate the critic on a grid of schedules.
 
@@ -54,30 +84,78 @@ def heatmap(
         state: initial state [n].
         schedule: values [V] of the variables that are not on the axes.
         axes: zero, one or two variables.
+        rest: schedules [K, V] whose entries off the axes are tried in each cell, the best kept,
+            instead of those of `schedule`.
     """
-    domains = [_domain(task, axis) for axis in axes] + [np.zeros(1, np.int32)] * (2 - len(axes))
-    first, second = domains
-    grid = np.tile(np.asarray(schedule, np.int32), (len(second), len(first), 1))
+    most = RESOLUTION if rest is None else COARSE
+    first, second = [_domain(task, axis, most) for axis in axes] + [np.zeros(1, np.int32)] * (
+        2 - len(axes)
+    )
+    tried = np.asarray(schedule, np.int32)[None] if rest is None else np.asarray(rest, np.int32)
+    grid = np.tile(tried, (second.size, first.size, 1, 1))  # [h, w, K, V]
     if axes:
-        grid[:, :, axes[0]] = first[None, :]
+        grid[:, :, :, axes[0]] = first[None, :, None]
     if len(axes) > 1:
-        grid[:, :, axes[1]] = second[:, None]
-    flat = np.zeros((RESOLUTION**2, MAX_VARIABLES), np.int32)
-    flat[: first.size * second.size] = grid.reshape(-1, MAX_VARIABLES)
-    score = scoring_program(task, algorithm, RESOLUTION**2)
-    values, shortfall = score(task.problem, parameters, state, jnp.asarray(flat))
-    shape, used = (second.size, first.size), first.size * second.size
+        grid[:, :, :, axes[1]] = second[:, None, None]
+    scores = score(task, algorithm, parameters, state, grid.reshape(-1, grid.shape[-1]))
+    liking = algorithm.preference(scores.values, scores.shortfall).reshape(grid.shape[:3])
+    best = np.nan_to_num(liking, nan=-np.inf).argmax(-1)[..., None]
+
+    def chosen(flat: np.ndarray) -> np.ndarray:
+        return np.take_along_axis(flat.reshape(grid.shape[:3]), best, -1)[..., 0]
+
     return Heatmap(
         axes,
         first,
         second,
-        np.asarray(values)[:used].reshape(shape),
-        np.asarray(shortfall)[:used].reshape(shape),
+        chosen(scores.values),
+        chosen(scores.shortfall),
         np.asarray(schedule),
+        np.take_along_axis(grid, best[..., None], 2)[:, :, 0],
+        jax.tree.map(chosen, scores.legs),
     )
 
 
-def _domain(task: Task, axis: int) -> np.ndarray:
+def score(
+    task: Task, algorithm: Algorithm, parameters: Parameters, state: Array, schedules: np.ndarray
+) -> Scores:
+    """V(s_0, t), shortfall and shortest leg of schedules [N, V] from a state [n]."""
+    program = scoring_program(task, algorithm, BATCH)
+    parts = []
+    for start in range(0, len(schedules), BATCH):
+        batch = np.zeros((BATCH, MAX_VARIABLES), np.int32)
+        piece = schedules[start : start + BATCH]
+        batch[: len(piece)] = piece
+        parts.append(program(task.problem, parameters, state, jnp.asarray(batch)))
+    joined = jax.tree.map(lambda *leaves: np.concatenate(leaves)[: len(schedules)], *parts)
+    return Scores(*joined)
+
+
+def best_schedule(
+    task: Task,
+    algorithm: Algorithm,
+    parameters: Parameters,
+    state: Array,
+    fixed: Mapping[int, int],
+) -> np.ndarray:
+    """The schedule [V] that the critic likes best of many drawn with some entries fixed."""
+    drawn = random_schedules(task, BATCH, fixed)
+    scores = score(task, algorithm, parameters, state, drawn)
+    liking = algorithm.preference(scores.values, scores.shortfall)
+    return drawn[np.nan_to_num(liking, nan=-np.inf).argmax()]
+
+
+def random_schedules(task: Task, count: int, fixed: Mapping[int, int]) -> np.ndarray:
+    """Schedules [N, V], uniform but for the fixed entries; the same ones at every call."""
+    formula = task.problem.formula
+    low, high = np.asarray(formula.low), np.asarray(formula.high)
+    drawn = np.random.default_rng(0).integers(low, high + 1, (count, low.size))
+    for variable, value in fixed.items():
+        drawn[:, variable] = value
+    return drawn.astype(np.int32)
+
+
+def _domain(task: Task, axis: int, most: int) -> np.ndarray:
     variable = task.grounding.decomposition.variables[axis]
-    count = min(variable.high - variable.low + 1, RESOLUTION)
+    count = min(variable.high - variable.low + 1, most)
     return np.unique(np.linspace(variable.low, variable.high, count).round().astype(np.int32))

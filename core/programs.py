@@ -34,6 +34,7 @@ from core.rollout import (
 )
 from core.sampler import Elite
 from core.task import Task
+from core.windows import shortest_leg, windows_of
 
 EVALUATION_STATES = 512
 """Initial states of an evaluation (Sec. 5.1)."""
@@ -83,7 +84,10 @@ def evaluation_programs(
 
 
 def scoring_program(task: Task, algorithm: Algorithm, count: int) -> Callable:
-    """Compiled V(s_0, t) of `count` schedules [N, V] from one state [n]; see the heatmap."""
+    """Compiled V(s_0, t), shortfall and shortest leg of `count` schedules [N, V] from one state.
+
+    See the heatmap.
+    """
     return _scoring_program(setting_of(task, algorithm), _Shapes(task.problem), count)
 
 
@@ -135,7 +139,14 @@ def _collect(setting: Setting, problem: Problem, state: LearnerState) -> Batch:
 
 def _score(setting: Setting, problem: Problem, parameters, state, schedules):
     states = jnp.broadcast_to(state, (schedules.shape[0], *state.shape))
-    return score_schedules(setting, problem, parameters, states, schedules)
+    position, reserve = setting.robot.position(state), setting.algorithm.reserve
+
+    def leg(schedule):
+        windows = windows_of(problem, schedule)
+        return shortest_leg(setting.robot, setting.world, problem, windows, position, reserve)
+
+    values, shortfall = score_schedules(setting, problem, parameters, states, schedules)
+    return values, shortfall, jax.vmap(leg)(schedules)
 
 
 @cache

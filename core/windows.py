@@ -17,6 +17,9 @@ from core.protocols import Array, Robot, World
 UNREACHABLE = 100.0
 """Shortfall of an impossible order or an inadmissible chain [steps]."""
 
+APART = 0.3
+"""Distance from which two regions count as not meeting, in units of the robot's length."""
+
 
 class Windows(NamedTuple):
     """Windows of one schedule, in steps; subgoals sorted by start."""
@@ -75,12 +78,35 @@ def leg_slack(
     needed = jnp.where(distance > 0, reserve * distance / robot.speed + robot.lag, 0.0)
     live = jnp.arange(windows.start.shape[0]) < windows.count
     slack = jnp.where(live, available - needed, 0.0)
-    apart = live & overlap & (distance > 0.3 * robot.length)
+    apart = live & overlap & (distance > APART * robot.length)
     short = jax.nn.relu(-slack).sum() + UNREACHABLE * apart.sum()
     requirements = problem.formula.requirements
     agrees = ((requirements.guard < 0) | (requirements.guard == windows.schedule)).all(-1)
     lacking = jax.nn.relu(requirements.minimum - requirements.weight @ windows.schedule)
     return slack, short + UNREACHABLE * (lacking * agrees).sum()
+
+
+class ShortLeg(NamedTuple):
+    """The leg of a schedule that lacks most time; [] each."""
+
+    source: Array  # index of the subgoal that it leaves, -1 for the initial position
+    target: Array  # index of the subgoal that it goes to
+    needed: Array  # steps with the reserve
+    available: Array  # steps
+    conflict: Array  # whether both subgoals are wanted at once though they do not meet
+
+
+def shortest_leg(
+    robot: Robot, world: World, problem: Problem, windows: Windows, position: Array, reserve: float
+) -> ShortLeg:
+    """The leg that decides whether a schedule leaves time to travel; see `leg_slack`."""
+    distance, available, overlap = _legs(world, problem, windows, position)
+    needed = jnp.where(distance > 0, reserve * distance / robot.speed + robot.lag, 0.0)
+    live = jnp.arange(windows.start.shape[0]) < windows.count
+    conflict = live & overlap & (distance > APART * robot.length)
+    worst = jnp.where(live, needed - available + UNREACHABLE * conflict, -jnp.inf).argmax()
+    source = jnp.where(worst > 0, windows.order[jnp.maximum(worst - 1, 0)], -1)
+    return ShortLeg(source, windows.order[worst], needed[worst], available[worst], conflict[worst])
 
 
 def _legs(

@@ -8,6 +8,7 @@ import time
 import traceback
 import webbrowser
 from contextlib import redirect_stdout
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -17,17 +18,33 @@ from core.algorithm import make_algorithm
 from core.errors import UserError
 from core.training import TrainingConfig
 from scenes import Scene, load_scene, load_task
+from studio.commands import add_commands
+from studio.keeping import load_policy
 from studio.panels.formula import FormulaPanel
+from studio.panels.ghosts import GhostsPanel
 from studio.panels.heatmap import HeatmapPanel
+from studio.panels.keep import KeepPanel
+from studio.panels.monitor import MonitorPanel, PlayheadStyle
+from studio.panels.recovery import RecoveryPanel
+from studio.panels.regions import RegionsPanel
 from studio.panels.rollout import RolloutPanel
 from studio.panels.task import TaskPanel
+from studio.panels.tour import TourPanel, add_page_options, set_theme
 from studio.panels.training import TrainingPanel
 from studio.panels.tree import TreePanel
-from studio.security import start_server
+from studio.playback import add_playback_commands
+from studio.projects import state_folder
+from studio.security import chosen_token, start_server
 from studio.session import MakeConfig, Session
-from studio.theme import BRAND, STYLE
+from studio.theme import STYLE
+from studio.views.editing import EditingView
+from studio.views.floor import FloorView
+from studio.views.follow import FollowView
+from studio.views.ghosts import GhostsView
+from studio.views.highlight import HighlightView
 from studio.views.regions import RegionsView
 from studio.views.robot import RobotView
+from studio.views.start import StartView
 
 FIRST_TASK = "linear-08"
 FRAME = 1 / 25
@@ -52,11 +69,34 @@ class Studio:
         host: str,
         port: int,
         make_config: MakeConfig | None = None,
+        *,
+        state: Path | None = None,
+        token: str = "",
     ) -> None:
+        """Start serving.
+
+        Args:
+            scene: what is shown first.
+            formula: to stand in the editor in place of the scene's own.
+            host: where to listen.
+            port: where to listen.
+            make_config: what the training button starts.
+            state: folder for autosave and the like; None keeps nothing.
+            token: that clients must show; none on a loopback address.
+        """
         self.url = f"http://{'[' + host + ']' if ':' in host else host}:{port}"
-        self._server = start_server(host, port, "TGPO Studio")
+        if token:
+            self.url += f"/?token={token}"
+        self._server = start_server(host, port, "TGPO Studio", token)
         self.session = Session(scene, formula, make_config or default_config)
-        self._drawables = _build(self._server, self.session)
+        self._recovery: RecoveryPanel | None = None
+        gui, seen = self._server.gui, None
+        if state is not None:
+            self._recovery, seen = RecoveryPanel(gui, self.session, state / "autosave"), state
+        self._drawables: list[Drawable] = [] if self._recovery is None else [self._recovery]
+        tour = TourPanel(gui, self.session, None if seen is None else seen / "tour-seen")
+        self._drawables += [tour, *_build(self._server, self.session)]
+        add_page_options(gui, self.session, tour)
         self._closed = threading.Event()
 
     def run(self) -> None:
@@ -81,6 +121,8 @@ class Studio:
     def close(self) -> bool:
         """Stop drawing, training and serving; whether all threads have ended."""
         self._closed.set()
+        if self._recovery is not None:
+            self._recovery.close()
         ended = self.session.close()
         with redirect_stdout(io.StringIO()):  # the library says so on stdout
             self._server.stop()
@@ -95,6 +137,8 @@ def serve(
     host: str = "127.0.0.1",
     port: int = 8080,
     open_browser: bool = True,
+    load: Path | None = None,
+    token: str | None = None,
 ) -> None:
     """Serve the page until interrupted; whoever calls it has chosen the compilation cache.
 
@@ -102,14 +146,24 @@ def serve(
         task: a shipped task to open.
         scene: a scene file to open instead.
         formula: to stand in the editor in place of the scene's own.
-        host: a loopback address.
+        host: a loopback address; anything else needs a token.
         port: where to listen; a busy one is an error.
         open_browser: whether to open a browser window.
+        load: a run, a bundle or a zipped one to open instead.
+        token: that clients must show; made up if the address needs one.
 
     Raises:
         UserError: an unknown task, a bad scene file, or an address that cannot be used.
     """
-    studio = Studio(opened_scene(task, scene), formula, host, port)
+    policy = None if load is None else load_policy(load)
+    first = opened_scene(task, scene) if policy is None else policy.scene
+    secret = chosen_token(host, token)
+    studio = Studio(first, formula, host, port, state=state_folder(), token=secret)
+    session = studio.session
+    if policy is None:
+        session.post(session.show_shipped)
+    else:
+        session.post(partial(session.load, policy, f"the policy in {load}"))
     print(f"TGPO Studio runs at {studio.url}  (Ctrl+C ends it)", flush=True)
     if open_browser:
         threading.Thread(target=webbrowser.open, args=(studio.url,), daemon=True).start()
@@ -143,22 +197,37 @@ def default_config(scene: Scene, time_limit: float) -> TrainingConfig:
 def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     """Lay the page out: what is asked for on the left, learning on the right, the robot between."""
     gui = server.gui
-    gui.configure_theme(show_logo=False, show_share_button=False, brand_color=BRAND)
+    set_theme(gui, dark=False)
     gui.add_html(STYLE)
+    add_commands(gui, session)
+    add_playback_commands(gui, session)
     drawables: list[Drawable] = [
+        PlayheadStyle(gui),
         TaskPanel(gui, session),
+        RegionsPanel(gui, session),
         FormulaPanel(gui, session),
-        TreePanel(gui),
+        TreePanel(gui, session),
     ]
     learning = gui.add_panel()
     with learning.add_tab("Learning", viser.Icon.BRAIN):
         drawables += [TrainingPanel(gui, session), HeatmapPanel(gui, session)]
+    with learning.add_tab("Keep", viser.Icon.DEVICE_FLOPPY):
+        drawables.append(KeepPanel(gui, session))
     rollout = gui.add_panel()
     with rollout.add_tab("Rollout", viser.Icon.ROUTE):
-        drawables.append(RolloutPanel(gui, session))
+        drawables += [RolloutPanel(gui, session), GhostsPanel(gui, session)]
+    with rollout.add_tab("Monitor", viser.Icon.TABLE):
+        drawables.append(MonitorPanel(gui, session))
     gui.main_panel.dock_left()
     gui.main_panel.set_width(400)
     learning.dock_right()
     learning.set_width(420)
     rollout.float(x=20, y=-14, width=580)
-    return [*drawables, RegionsView(server), RobotView(server)]
+    views: list[Drawable] = [
+        RegionsView(server),
+        HighlightView(server),
+        GhostsView(server),
+        RobotView(server),
+    ]
+    views += [StartView(server), FollowView(server)]
+    return [*drawables, FloorView(server), *views, EditingView(server)]

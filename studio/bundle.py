@@ -109,9 +109,7 @@ def load_bundle(folder: Path) -> Policy:
     )
     scene = load_scene(folder / SCENE)
     if values["robot"] != scene.robot:
-        raise BundleError(
-            f"{path}: robot: {values['robot']!r}, but {SCENE} is for {scene.robot!r}"
-        )
+        raise BundleError(f"{path}: robot: {values['robot']!r}, but {SCENE} is for {scene.robot!r}")
     algorithm = read_algorithm(values["algorithm"], values["mode"], str(path))
     like = fresh_learner(build_task(scene), algorithm, 0).parameters
     parameters = load_tree(folder / WEIGHTS, like, kind="weights")
@@ -231,7 +229,7 @@ def _readme(policy: Policy, task: Task) -> str:
     )
 
 
-_README = Template('''\
+_README = Template("""\
 A policy for the task $task of the robot "$robot", trained by TGPO Studio
 
     $formula
@@ -265,4 +263,4 @@ The state is ($state_names), float32. The action ($action_names) is in [-1, 1] i
 robot's limits, which are under "robot_constants" in metadata.json. The schedule t holds the
 formula's time variables in steps, int32: $variables.
 s is the controller's memory: a tuple of arrays to hand to the next call of step.
-''')
+""")

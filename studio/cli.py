@@ -70,6 +70,10 @@ class Options:
     """Address of the page."""
     port: Annotated[int, _shown("INT", "8080")] = 8080
     """Port of the page."""
+    token: Annotated[str | None, _shown("TEXT", "made up")] = None
+    """What clients must show where the address is not this machine's alone."""
+    load: Annotated[Path | None, _shown("PATH")] = None
+    """Open the page on the policy of a run, a bundle, or one of them zipped."""
     no_browser: Flag = False
     """Do not open a browser."""
     no_cache: Flag = False
@@ -83,7 +87,7 @@ ALLOWED = {
     "evaluate": TASK | {"evaluate", "seed"},
     "resume": BUDGET | {"resume", "train_only", "no_cache"},
     "train_only": TASK | BUDGET | {"train_only", "method", "mode", "seed", "out"},
-    "page": TASK | {"host", "port", "no_browser"},
+    "page": TASK | {"host", "port", "token", "load", "no_browser"},
 }
 """Options that have a meaning for each action; the first action that is asked for counts."""
 
@@ -123,6 +127,8 @@ def _action(options: Options) -> Callable[[], int]:
         raise UserError(f"{_flag(name)} has no meaning {where}. Allowed: {beside or 'nothing'}")
     if options.task is not None and options.scene is not None:
         raise UserError("--task and --scene exclude each other; give one of them")
+    if options.load is not None and (options.task is not None or options.scene is not None):
+        raise UserError("--load brings its own scene; give neither --task nor --scene with it")
     if not 0 <= options.port < 2**16:
         raise UserError(f"--port: {options.port} must be from 0 to 65535")
     return lambda: _run(action, options)
@@ -155,6 +161,8 @@ def _serve(options: Options) -> int:
         host=options.host,
         port=options.port,
         open_browser=not options.no_browser,
+        load=options.load,
+        token=options.token,
     )
     return 0
 

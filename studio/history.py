@@ -53,9 +53,10 @@ class History(Generic[State]):
             Whether the state changed.
         """
         merged = gesture is not None and gesture == self._gesture
-        self._gesture = gesture
         if state == self.present:
+            self._gesture = self._gesture if merged else None
             return False
+        self._gesture = gesture
         if not merged:
             self._past.append(Step(label, self.present))
             del self._past[:-CAPACITY]

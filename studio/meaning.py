@@ -81,6 +81,16 @@ def differences(trained: Scene, scene: Scene) -> tuple[str, ...]:
     return tuple(found)
 
 
+def stale_text(reasons: tuple[str, ...]) -> str:
+    """The `differences` as a sentence; empty for none."""
+    if not reasons:
+        return ""
+    *rest, last = reasons
+    subject = f"{', '.join(rest)} and {last}" if rest else last
+    verb = "have" if rest or last.endswith("regions") else "has"
+    return f"Stale: {subject} {verb} changed since the training. Train again, or undo."
+
+
 def _numbered(formula: Formula, numbers: dict[str, str]) -> Formula:
     if isinstance(formula, Atom):
         return Atom(numbers[formula.name])

@@ -28,6 +28,10 @@ class Player:
         if self.recording is not None:
             self.position = min(max(float(step), 0.0), float(self.recording.steps))
 
+    def step(self, steps: int) -> None:
+        """Stand still some whole steps further or back."""
+        self.seek(int(self.position) + steps)
+
     def toggle(self) -> None:
         """Play or pause; at the end, play again from the start."""
         if self.recording is None:

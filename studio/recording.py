@@ -1,11 +1,13 @@
 """A rollout as the page shows it: states on the host, the verdict, and what each task did."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from core.decompose import Kind, task_name
 from core.evaluation import trace_robustness
+from core.monitor import Diagnosis, MonitorRow, diagnose, leaf_status, monitor_rows
 from core.stl import robustness, to_math
 from core.task import Task
 
@@ -41,6 +43,8 @@ class Recording:
     task: Task
     schedule: tuple[int, ...]
     states: np.ndarray  # [T + 1, n]
+    actions: np.ndarray  # [T, m] as the policy gave them, before clipping
+    margins: np.ndarray  # [T + 1, A] of the regions [m]
     positions: np.ndarray  # [T + 1, 3] in [m], z = 0 for planar robots
     robustness: float  # of the formula [m], -inf if the simulation broke down
     outcomes: tuple[Outcome, ...]
@@ -55,25 +59,51 @@ class Recording:
         """T."""
         return len(self.states) - 1
 
+    @cached_property
+    def diagnosis(self) -> Diagnosis:
+        """What decided the verdict."""
+        names = self.task.grounding.atoms
+        return diagnose(self.task.formula, self.margins, names, self.task.robot.dt)
 
-def record(task: Task, schedule, states: np.ndarray, margins: np.ndarray) -> Recording:
+    @cached_property
+    def rows(self) -> tuple[MonitorRow, ...]:
+        """Every subformula along the trace, parents first."""
+        return monitor_rows(self.task.formula, self.margins, self.task.grounding.atoms)
+
+    @cached_property
+    def status(self) -> np.ndarray:
+        """`LeafStatus` of every task of the decomposition at every step [K, T + 1]."""
+        grounding = self.task.grounding
+        return leaf_status(grounding.decomposition, self.schedule, self.margins, grounding.atoms)
+
+    def status_at(self, position: float) -> np.ndarray:
+        """`LeafStatus` [K] at a position [steps]."""
+        return self.status[:, min(max(int(position), 0), self.steps)]
+
+
+def record(
+    task: Task, schedule, states: np.ndarray, actions: np.ndarray, margins: np.ndarray
+) -> Recording:
     """Judge one simulated trace.
 
     Args:
         task: the grounded task.
         schedule: values of the variables [V], padding included or not.
         states: [L + 1, n], L at least the task's horizon.
-        margins: [L + 1, A] of the atoms [m].
+        actions: [L, m].
+        margins: [L + 1, A] of the atoms [m], padding included or not.
     """
     count = len(task.grounding.decomposition.variables)
     length = task.horizon + 1
-    states, margins = np.asarray(states)[:length], np.asarray(margins)[:length]
+    states, actions = np.asarray(states)[:length], np.asarray(actions)[: length - 1]
+    margins = np.asarray(margins)[:length, : len(task.grounding.atoms)]
     chosen = tuple(int(value) for value in np.asarray(schedule)[:count])
     position = np.asarray(task.robot.position(states))  # pyright: ignore[reportArgumentType]
     flat = np.zeros((length, 3))
     flat[:, : position.shape[1]] = position
     verdict = float(trace_robustness(task, margins[:, None, :])[0])
-    return Recording(task, chosen, states, flat, verdict, _outcomes(task, chosen, margins))
+    outcomes = _outcomes(task, chosen, margins)
+    return Recording(task, chosen, states, actions, margins, flat, verdict, outcomes)
 
 
 def _outcomes(task: Task, schedule: tuple[int, ...], margins: np.ndarray) -> tuple[Outcome, ...]:

@@ -73,9 +73,7 @@ class BarReporter:
         """Show the bar; the first epoch waits for the compilation."""
         self._training, self._first = training, epochs
         self._began: float | None = None
-        self._task = self._progress.add_task(
-            "compiling", total=1.0, epoch="", success="-", left=""
-        )
+        self._task = self._progress.add_task("compiling", total=1.0, epoch="", success="-", left="")
         self._progress.start()
 
     def report(self, metrics: dict[str, Any]) -> None:

@@ -35,6 +35,7 @@ from studio.tasks import build_task
 CHECKPOINT_SECONDS = 5.0
 """Training time between checkpoints at most, unless one epoch takes longer [s]."""
 
+
 def best_parameters(state: RunState) -> Parameters:
     """Weights of the best evaluation; the latest ones before the first evaluation."""
     return state.best if float(state.best_success) >= 0 else state.learner.parameters

@@ -4,16 +4,22 @@ The viewer library listens on every interface, checks no Origin and lets any cli
 tunnel. Here the server binds the loopback interface only; a request whose Host is not a loopback
 name (DNS rebinding) or whose Origin is another site (a foreign page that talks to this server) is
 refused with 403, websocket handshakes included; the tunnel cannot be opened.
+
+On any other address every request must show a token: in the query of its URL, or in the cookie
+that the first answer sets (a browser's websocket sends the cookie, not the query).
 """
 
 import http
 import io
 import ipaddress
+import re
+import secrets
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
+from http.cookies import CookieError, SimpleCookie
 from unittest.mock import patch
-from urllib.parse import urlsplit
+from urllib.parse import parse_qs, urlsplit
 
 import viser
 import viser.infra
@@ -23,24 +29,43 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from core.errors import UserError
+from studio.uploads import guard_uploads
 
 LARGEST_MESSAGE = 2**20
 """Bytes of the largest message that a client may send."""
 
 LARGEST_PORT = 65_535
 
+SHORTEST_TOKEN = 8
+COOKIE = "tgpo-token"
+
 
 class AddressError(UserError):
     """An address that the page cannot be served on."""
 
 
-def check_address(host: str, port: int) -> None:
-    """Refuse addresses that others could reach, and ports that are taken.
+def chosen_token(host: str, given: str | None) -> str:
+    """The token that clients must show: the one given, one made up, or none on loopback.
+
+    Raises:
+        AddressError: a token that is easy to guess or does not fit into a URL.
+    """
+    if given is None:
+        return "" if _is_loopback(host) else secrets.token_urlsafe(16)
+    if not re.fullmatch(rf"[A-Za-z0-9_-]{{{SHORTEST_TOKEN},200}}", given):
+        raise AddressError(
+            f"token: needs at least {SHORTEST_TOKEN} characters, each a letter, digit, - or _"
+        )
+    return given
+
+
+def check_address(host: str, port: int, token: str = "") -> None:
+    """Refuse addresses that others could reach without a token, and ports that are taken.
 
     Raises:
         AddressError: says which address or port would do.
     """
-    if not _is_loopback(host):
+    if not token and not _is_loopback(host):
         raise AddressError(
             f"host: {host!r} can be reached from other machines, and the page asks for no "
             "password. Allowed: 127.0.0.1, ::1, localhost; from elsewhere use "
@@ -66,13 +91,16 @@ def is_free(host: str, port: int) -> bool:
     return True
 
 
-def allows(headers: Headers) -> bool:
+def allows(headers: Headers, path: str = "/", token: str = "") -> bool:
     """Whether a request comes from this server's own page, or from no page at all.
 
-    Programs send no Origin; a browser always does when a page opens a websocket.
+    Programs send no Origin; a browser always does when a page opens a websocket. With a token the
+    name of the host is free: a foreign page that reaches this server does not have the token.
     """
     hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
-    if len(hosts) != 1 or not _is_loopback(_hostname(hosts[0])):
+    if len(hosts) != 1:
+        return False
+    if not (_shows(token, headers, path) if token else _is_loopback(_hostname(hosts[0]))):
         return False
     if not origins:
         return True
@@ -80,14 +108,30 @@ def allows(headers: Headers) -> bool:
     return len(origins) == 1 and split.scheme == "http" and split.netloc == hosts[0]
 
 
-def start_server(host: str, port: int, label: str) -> viser.ViserServer:
-    """A viewer server on the loopback interface that answers nobody else.
+def _shows(token: str, headers: Headers, path: str) -> bool:
+    """Whether a request has the token, in its query or in a cookie."""
+    shown = parse_qs(urlsplit(path).query).get("token", [])
+    for text in headers.get_all("Cookie"):
+        with suppress(CookieError):
+            cookie = SimpleCookie(text).get(COOKIE)
+            shown += [] if cookie is None else [cookie.value]
+    return any(secrets.compare_digest(each.encode(), token.encode()) for each in shown)
+
+
+def start_server(host: str, port: int, label: str, token: str = "") -> viser.ViserServer:
+    """A viewer server that answers its own page and nobody else.
+
+    Args:
+        host: a loopback address; any address if there is a token.
+        port: where to listen.
+        label: title of the page.
+        token: that every request must show; empty for none.
 
     Raises:
         AddressError: see `check_address`.
     """
-    check_address(host, port)
-    with _guarded_handshakes(), redirect_stdout(io.StringIO()):
+    check_address(host, port, token)
+    with _guarded_handshakes(token), redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, label=label, verbose=False)
     if server.get_port() != port:
         server.stop()
@@ -95,11 +139,12 @@ def start_server(host: str, port: int, label: str) -> viser.ViserServer:
     connection = server._websock_server  # noqa: SLF001
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
         connection.unregister_handler(message)
+    guard_uploads(server)
     return server
 
 
 @contextmanager
-def _guarded_handshakes() -> Iterator[None]:
+def _guarded_handshakes(token: str) -> Iterator[None]:
     """While it is open, servers that start refuse requests that `allows` does not.
 
     The viewer library has no hook for this; it calls `serve` once, when it is constructed.
@@ -108,14 +153,20 @@ def _guarded_handshakes() -> Iterator[None]:
 
     def guarded(handler, host, port, *, process_request, **options):
         def checked(connection, request: Request) -> Response | None:
-            if not allows(request.headers):
+            if not allows(request.headers, request.path, token):
                 body = b"403: this page answers only to itself, under a loopback address\n"
+                if token:
+                    body = b"403: open the address that the program printed, token included\n"
                 headers = Headers({"Content-Type": "text/plain", "Content-Length": str(len(body))})
                 return Response(http.HTTPStatus.FORBIDDEN, "Forbidden", headers, body)
             response = process_request(connection, request)
             if response is not None:
                 response.headers["Content-Security-Policy"] = "frame-ancestors 'self'"
                 response.headers["X-Content-Type-Options"] = "nosniff"
+                response.headers["Referrer-Policy"] = "no-referrer"
+                if token:
+                    cookie = f"{COOKIE}={token}; Path=/; HttpOnly; SameSite=Strict"
+                    response.headers["Set-Cookie"] = cookie
             return response
 
         options["max_size"] = LARGEST_MESSAGE

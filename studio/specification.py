@@ -1,4 +1,4 @@
-"""A scene with the formula as it stands in the editor, judged."""
+"""A scene with its formula judged."""
 
 from dataclasses import dataclass, replace
 
@@ -14,16 +14,19 @@ class Specification:
     """What a person asks for.
 
     Attributes:
-        scene: the scene; its formula is the one it was loaded with.
-        text: the formula as typed.
-        task: the grounded task of `text`, or of the last text that was right; None before one.
-        error: why `text` cannot be used, empty if it can.
+        scene: the scene that was judged.
+        task: the grounded task, or that of the last scene that was right; None before one.
+        error: why the scene's formula cannot be used, empty if it can.
     """
 
     scene: Scene
-    text: str
     task: Task | None
     error: str = ""
+
+    @property
+    def text(self) -> str:
+        """The formula that was judged."""
+        return self.scene.formula
 
     @property
     def decomposition(self) -> Decomposition | None:
@@ -33,14 +36,30 @@ class Specification:
 
 def specify(scene: Scene, text: str | None = None) -> Specification:
     """Judge a formula over a scene, the scene's own if none is given."""
-    text = scene.formula if text is None else text
-    return edited(Specification(scene, text, None), text)
+    return edited(Specification(scene, None), scene if text is None else with_text(scene, text))
 
 
-def edited(specification: Specification, text: str) -> Specification:
-    """The same scene with another formula; where that is wrong, the last right task stays."""
+def edited(specification: Specification, scene: Scene) -> Specification:
+    """Judge an edited scene; where its formula is wrong, the last right task stays."""
+    if specification.task is not None and _same_task(specification, scene):
+        return replace(specification, scene=scene)
     try:
-        task = build_task(specification.scene, text)
+        task = build_task(scene)
     except UserError as error:
-        return replace(specification, text=text, error=str(error))
-    return replace(specification, text=text, task=task, error="")
+        return replace(specification, scene=scene, error=str(error))
+    return Specification(scene, task)
+
+
+def with_text(scene: Scene, text: str) -> Scene:
+    """The same scene with another formula."""
+    return replace(scene, formula=text)
+
+
+def _same_task(specification: Specification, scene: Scene) -> bool:
+    """Whether nothing changed but how the scene looks."""
+    return not specification.error and _plain(specification.scene) == _plain(scene)
+
+
+def _plain(scene: Scene) -> Scene:
+    regions = tuple(replace(region, color=None) for region in scene.regions)
+    return replace(scene, title="-", seed=0, regions=regions)

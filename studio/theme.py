@@ -37,15 +37,17 @@ STYLE = """
 .tg-scroll { overflow-x: auto; }
 .tg-badge { display: inline-block; border-radius: 999px; padding: 0.1em 0.75em; font-weight: 600;
   color: #fff; }
-.tg-cards { display: grid; grid-template-columns: repeat(4, 1fr); gap: 0.4em; }
-.tg-card { background: var(--mantine-color-gray-0); border: 1px solid var(--mantine-color-gray-2);
+.tg-cards { display: grid; grid-template-columns: repeat(3, 1fr); gap: 0.4em; }
+.tg-tour { border-color: #1e6091; background: #eaf3fa; color: #17445f; margin-top: 0.5em; }
+.tg-card { background: var(--mantine-color-default-hover);
+  border: 1px solid var(--mantine-color-default-border);
   border-radius: 4px; padding: 0.3em 0.5em; }
 .tg-card b { display: block; font-size: 1.2em; font-weight: 600; white-space: nowrap; }
 .tg-card span { color: var(--mantine-color-dimmed); font-size: 0.85em; white-space: nowrap; }
 .tg table { border-collapse: collapse; width: 100%; font-size: 12px; }
 .tg th { text-align: left; font-weight: 500; color: var(--mantine-color-dimmed);
-  border-bottom: 1px solid var(--mantine-color-gray-3); padding: 0.15em 0.6em 0.15em 0; }
-.tg td { padding: 0.2em 0.6em 0.2em 0; border-bottom: 1px solid var(--mantine-color-gray-1);
+  border-bottom: 1px solid var(--mantine-color-default-border); padding: 0.15em 0.6em 0.15em 0; }
+.tg td { padding: 0.2em 0.6em 0.2em 0; border-bottom: 1px solid var(--mantine-color-default-border);
   vertical-align: top; }
 .tg-dot { display: inline-block; width: 0.7em; height: 0.7em; border-radius: 2px;
   margin-right: 0.45em; vertical-align: -0.02em; }
@@ -55,12 +57,35 @@ STYLE = """
   padding-bottom: 0.25em; }
 .tg-transport { display: flex; gap: 0.4em; align-items: center; }
 .tg-transport button { font: inherit; font-size: 0.95em; cursor: pointer; border-radius: 4px;
-  border: 1px solid var(--mantine-color-gray-4); background: var(--mantine-color-body);
+  border: 1px solid var(--mantine-color-default-border); background: var(--mantine-color-body);
   color: var(--mantine-color-text); padding: 0.15em 0.7em; min-width: 2.6em; }
-.tg-transport button:hover { background: var(--mantine-color-gray-1); }
+.tg-transport button:hover { background: var(--mantine-color-default-hover); }
 .tg-transport button[aria-pressed="true"] { background: #1e6091; border-color: #1e6091;
   color: #fff; }
 .tg-transport .tg-gap { flex-grow: 1; }
+.tg-leaf { cursor: pointer; }
+.tg-leaf rect { transition: fill 0.2s; }
+.tg-leaf:hover rect { stroke-opacity: 1; stroke-width: 1.8; }
+.tg-legend { margin-top: 0.45em; display: flex; flex-wrap: wrap; gap: 0.35em; align-items: center; }
+.tg-chip { font: inherit; font-size: 0.9em; cursor: pointer; border-radius: 999px; color: inherit;
+  border: 1px solid var(--mantine-color-gray-4); background: transparent; padding: 0 0.7em; }
+.tg-chip[aria-pressed="true"] { border-color: #1e6091; box-shadow: 0 0 0 1px #1e6091; }
+.tg-chip .tg-dot { border-radius: 50%; }
+.tg-sample { font-weight: 600; }
+.tg-rows { max-height: 220px; overflow-y: auto; margin: 0.35em 0 0.25em; }
+.tg-rows image { image-rendering: pixelated; cursor: pointer; }
+.tg-readout { min-height: 1.45em; white-space: nowrap; overflow: hidden; text-overflow: ellipsis;
+  font-variant-numeric: tabular-nums; }
+.tg-chips { display: flex; flex-wrap: wrap; gap: 0.3em; align-items: center; }
+.tg-chips button { font: inherit; font-size: 0.93em; cursor: pointer; border-radius: 4px;
+  border: 1px solid var(--mantine-color-default-border); background: var(--mantine-color-body);
+  color: var(--mantine-color-text); padding: 0.1em 0.55em; white-space: nowrap; }
+.tg-chips button:hover:not(:disabled) { border-color: #1e6091; }
+.tg-chips button:disabled { opacity: 0.4; cursor: default; }
+.tg-chips button[aria-pressed="true"] { background: #1e6091; border-color: #1e6091; color: #fff; }
+.tg-chips .tg-gap { flex-grow: 1; }
+.tg-chips + .tg-chips { margin-top: 0.45em; }
+.tg-map .tg-readout { white-space: normal; min-height: 2.9em; }
 .tg-heat image { cursor: crosshair; image-rendering: pixelated; }
 </style>
 """

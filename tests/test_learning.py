@@ -35,7 +35,7 @@ def _disk_cache():
 def solved():
     """Linear STL-08 trained by the default preset.
 
-    Seed 1007 and nine others were seen to reach 0.99 within 15 epochs, so 30 are generous.
+    Seeds 1007 to 1016 were all seen at 1.000 after 10 epochs, so 0.97 within 30 is generous.
     """
     task = build_task(load_task("linear-08"))
     config = TrainingConfig(make_algorithm("studio", "tgpo-star", "linear"), epochs=30)

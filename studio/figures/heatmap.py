@@ -1,11 +1,11 @@
 """The critic over two time variables as an SVG with axes, legend, markers and clickable cells.
 
-With one variable the map is a strip, with none there is none. Cells fade to grey as their legs
-get too short to travel: such schedules are hardly trained on, so the critic's word on them means
-little.
+With one variable it is a curve (`studio.figures.curve`), with none there is none. Cells whose
+legs are too short to travel are hatched, and fade to grey: such schedules are hardly trained on,
+so the critic's word on them means little.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from core.decompose import Variable
 from core.heatmap import Heatmap
 from studio.figures import svg
 from studio.figures.colors import data_url, viridis
+from studio.figures.readout import cell_data, cell_under_pointer, show_cell
 from studio.figures.ticks import ticks
 from studio.theme import MUTED
 
@@ -23,6 +24,13 @@ TALL, FLAT = 216, 40
 GREYED = np.array([222, 226, 230])
 TOLERANCE, FADED = 1.0, 4.0
 """Shortfall up to which a schedule still counts, and from which it is grey [steps]."""
+
+MOST_DOTS = 150
+HATCH = (
+    '<defs><pattern id="tg-hatch" width="6" height="6" patternUnits="userSpaceOnUse" '
+    'patternTransform="rotate(45)"><line x1="0" y1="0" x2="0" y2="6" stroke="#868e96" '
+    'stroke-opacity="0.55" stroke-width="1.4"/></pattern></defs>'
+)
 
 
 @dataclass(frozen=True)
@@ -34,40 +42,57 @@ class Mark:
     label: str
 
 
-def heatmap_svg(
-    heatmap: Heatmap, variables: Sequence[Variable], marks: Sequence[Mark], onpointer: str
-) -> str:
-    """Draw the map.
+@dataclass(frozen=True)
+class Drawing:
+    """What is drawn beside the map.
 
-    Args:
-        heatmap: the critic's values.
-        variables: of the decomposition, which the axes index.
-        marks: drawn where they lie on the map.
+    Attributes:
         onpointer: JavaScript for a click on a cell; it may use `column` and `row`, the cell.
+        marks: drawn where they lie on the map.
+        chains: schedules [C, V] at which the Metropolis-Hastings chains stand.
+        reason: in words, why a cell (row, column) leaves too little time to travel.
     """
+
+    onpointer: str = ""
+    marks: Sequence[Mark] = ()
+    chains: np.ndarray | None = None
+    reason: Callable[[int, int], str] | None = None
+
+
+def heatmap_svg(heatmap: Heatmap, variables: Sequence[Variable], drawing: Drawing) -> str:
+    """Draw the map over the variables that its axes index."""
     if not heatmap.axes:
         return ""
     height = TALL if len(heatmap.axes) > 1 else FLAT
     low, high = color_range(heatmap)
-    handler = (
-        "const box=this.getBoundingClientRect(),"
-        f"cell=(f,n)=>Math.min(n-1,Math.max(0,Math.floor(f*n))),"
-        f"column=cell((event.clientX-box.left)/box.width,{heatmap.first.size}),"
-        f"row=cell((box.bottom-event.clientY)/box.height,{heatmap.second.size});{onpointer}"
-    )
     parts = [
         f'<image class="tg-cells" x="{LEFT}" y="{TOP}" width="{PLOT}" height="{height}" '
         f'preserveAspectRatio="none" href="{data_url(pixels(heatmap))}" '
-        f'onpointerdown="{svg.escape(handler)}"/>',
+        f"{handlers(heatmap, variables, drawing)}/>",
+        HATCH,
+        f'<path class="tg-ruled-out" d="{_ruled_out(heatmap, height)}" '
+        'fill="url(#tg-hatch)" pointer-events="none"/>',
         f'<rect x="{LEFT}" y="{TOP}" width="{PLOT}" height="{height}" fill="none" '
         'style="stroke:var(--mantine-color-gray-5);pointer-events:none"/>',
-        *_horizontal(heatmap, variables, height),
+        *horizontal_axis(heatmap, variables, height),
         *_vertical(heatmap, variables, height),
         *_legend(low, high, height),
-        *(_mark(heatmap, mark, height) for mark in marks),
+        _dots(heatmap, drawing.chains, height),
+        *(_mark(heatmap, mark, height) for mark in drawing.marks),
     ]
     drawn = svg.document(WIDTH, TOP + height + BOTTOM, parts, "heatmap of the critic")
     return f'<div class="tg-heat">{drawn}</div>'
+
+
+def handlers(heatmap: Heatmap, variables: Sequence[Variable], drawing: Drawing) -> str:
+    """Attributes of the element over the cells: what a pointer reads and does there."""
+    names = [variables[axis].name for axis in heatmap.axes]
+    cell = cell_under_pointer(heatmap.first.size, heatmap.second.size)
+    click = svg.escape(cell + drawing.onpointer)
+    return (
+        f"{cell_data(heatmap, names, TOLERANCE, drawing.reason)} "
+        f'onpointermove="{svg.escape(cell + show_cell())}" onpointerdown="{click}"'
+    )
 
 
 def color_range(heatmap: Heatmap) -> tuple[float, float]:
@@ -89,16 +114,17 @@ def pixels(heatmap: Heatmap) -> np.ndarray:
     return ((1 - fade) * color + fade * GREYED)[::-1].round().astype(np.uint8)
 
 
-def _place(values: np.ndarray, value: float) -> float:
+def place(values: np.ndarray, value: float) -> float:
     """Share of the axis [0, 1] at which a value's cell has its centre."""
     return float((np.interp(value, values, np.arange(values.size)) + 0.5) / values.size)
 
 
-def _horizontal(heatmap: Heatmap, variables: Sequence[Variable], height: float) -> list[str]:
+def horizontal_axis(heatmap: Heatmap, variables: Sequence[Variable], height: float) -> list[str]:
+    """The first variable below a plot of a height [px]."""
     values, base = heatmap.first, TOP + height
     parts = []
     for tick in ticks(float(values[0]), float(values[-1]), 7):
-        x = LEFT + PLOT * _place(values, tick)
+        x = LEFT + PLOT * place(values, tick)
         parts.append(_line(x, base, x, base + 4))
         parts.append(svg.text(x, base + 15, f"{tick:g}", size=10, anchor="middle", color=MUTED))
     title = f"{variables[heatmap.axes[0]].name}  [steps]"
@@ -111,7 +137,7 @@ def _vertical(heatmap: Heatmap, variables: Sequence[Variable], height: float) ->
         return []
     values, parts = heatmap.second, []
     for tick in ticks(float(values[0]), float(values[-1]), 6):
-        y = TOP + height * (1 - _place(values, tick))
+        y = TOP + height * (1 - place(values, tick))
         parts.append(_line(LEFT - 4, y, LEFT, y))
         parts.append(svg.text(LEFT - 7, y + 3.5, f"{tick:g}", size=10, anchor="end", color=MUTED))
     title = f"{variables[heatmap.axes[1]].name}  [steps]"
@@ -138,11 +164,42 @@ def _legend(low: float, high: float, height: float) -> list[str]:
     return [*parts, title]
 
 
+def _ruled_out(heatmap: Heatmap, height: float) -> str:
+    """Path around the cells that are too short to travel, a rectangle for each run in a row."""
+    out = heatmap.shortfall > TOLERANCE
+    cell = (PLOT / heatmap.first.size, height / heatmap.second.size)
+    path = []
+    for row, bad in enumerate(out):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], bad, [False]])))
+        top = TOP + height - (row + 1) * cell[1]
+        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+            x, width = LEFT + start * cell[0], (stop - start) * cell[0]
+            path.append(f"M{x:.1f} {top:.1f}h{width:.1f}v{cell[1]:.1f}h{-width:.1f}z")
+    return "".join(path)
+
+
+def _dots(heatmap: Heatmap, schedules: np.ndarray | None, height: float) -> str:
+    """A dot for each different cell in which schedules lie."""
+    if schedules is None or len(heatmap.axes) < 2:
+        return ""
+    first, second = heatmap.axes
+    points = np.unique(np.asarray(schedules)[:, [first, second]], axis=0)[:MOST_DOTS]
+    circles = "".join(
+        f'<circle cx="{LEFT + PLOT * place(heatmap.first, x):.1f}" '
+        f'cy="{TOP + height * (1 - place(heatmap.second, y)):.1f}" r="1.5"/>'
+        for x, y in points
+    )
+    return (
+        '<g class="tg-chains" fill="#fff" stroke="#000" stroke-opacity="0.55" '
+        f'stroke-width="0.8" pointer-events="none">{circles}</g>'
+    )
+
+
 def _mark(heatmap: Heatmap, mark: Mark, height: float) -> str:
-    x = LEFT + PLOT * _place(heatmap.first, mark.schedule[heatmap.axes[0]])
+    x = LEFT + PLOT * place(heatmap.first, mark.schedule[heatmap.axes[0]])
     y = TOP + height / 2
     if len(heatmap.axes) > 1:
-        y = TOP + height * (1 - _place(heatmap.second, mark.schedule[heatmap.axes[1]]))
+        y = TOP + height * (1 - place(heatmap.second, mark.schedule[heatmap.axes[1]]))
     return (
         f'<g style="pointer-events:none"><circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" '
         f'stroke="#000" stroke-opacity="0.45" stroke-width="4"/>'

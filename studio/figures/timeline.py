@@ -6,6 +6,7 @@ import numpy as np
 
 from core.decompose import Kind
 from studio.figures import svg
+from studio.figures.playhead import playhead
 from studio.figures.ticks import ticks
 from studio.recording import Outcome, Recording
 from studio.theme import BAD, GOOD, MUTED
@@ -21,6 +22,7 @@ def timeline_svg(recording: Recording) -> str:
     parts = [
         *(_grid(tick, recording.steps, bottom) for tick in ticks(0, recording.steps, 11)),
         *(part for i, row in enumerate(rows) for part in _row(row, i * ROW + 2, recording.steps)),
+        playhead(LEFT, 0, bottom, PLOT / max(recording.steps, 1)),
     ]
     return svg.document(WIDTH, bottom + 14, parts, "tasks over time")
 

@@ -15,6 +15,7 @@ from studio.theme import KIND_COLOR, KIND_FILL, MUTED, TIME
 
 SIZE = 11  # of the font [px]
 ROW, BOX, INDENT, MARGIN = 26, 19, 16, 4  # [px]
+LABEL = 'class="tg-leaf-name"'
 MOST_NAMES = 3
 LEAST_WIDTH = 340  # [px]
 
@@ -29,17 +30,23 @@ class _Row:
     label: str
     hint: str
     kind: Kind | None
+    tasks: tuple[int, ...] = ()
 
 
-def tree_svg(decomposition: Decomposition) -> str:
-    """Draw the tree."""
+def tree_svg(decomposition: Decomposition, handlers: str = "") -> str:
+    """Draw the tree.
+
+    Args:
+        decomposition: of the formula.
+        handlers: attributes for the leaves, which carry their tasks as `data-tasks="0,1"`.
+    """
     rows = list(_rows(decomposition, decomposition.tree, 0, -1, [0]))
     parts: list[str] = []
     width = float(LEAST_WIDTH)
     for number, row in enumerate(rows):
         if row.parent >= 0:
             parts.append(_elbow(row, number))
-        drawn, right = _draw(row, number)
+        drawn, right = _draw(row, number, handlers)
         parts.append(drawn)
         width = max(width, right + MARGIN)
     return svg.document(width, len(rows) * ROW + MARGIN, parts, "decomposition tree")
@@ -91,9 +98,21 @@ def _row(decomposition: Decomposition, group: list[TreeNode], depth: int, parent
     hint = "\n".join(to_math(each.formula) for each in group)
     if node.task is None:
         return _Row(depth, parent, edge, _greek(node.label) or "true", hint, None)
-    tasks = [decomposition.tasks[each.task] for each in group if each.task is not None]
+    indices = tuple(each.task for each in group if each.task is not None)
+    tasks = [decomposition.tasks[index] for index in indices]
     label = _task_label(decomposition, tasks)
-    return _Row(depth, parent, edge, label, hint, tasks[0].kind)
+    return _Row(depth, parent, edge, label, hint, tasks[0].kind, indices)
+
+
+def leaves(decomposition: Decomposition) -> list[tuple[int, ...]]:
+    """Tasks of each leaf that the tree shows."""
+    rows = _rows(decomposition, decomposition.tree, 0, -1, [0])
+    return [row.tasks for row in rows if row.tasks]
+
+
+def leaf_id(tasks: tuple[int, ...]) -> str:
+    """What a leaf carries as `data-tasks`."""
+    return ",".join(map(str, tasks))
 
 
 def _task_label(decomposition: Decomposition, tasks: list[Task]) -> str:
@@ -114,11 +133,12 @@ def _edge(decomposition: Decomposition, node: TreeNode) -> str:
     return f"{variable.name} ∈ [{variable.low}, {variable.high}]"
 
 
-def _draw(row: _Row, number: int) -> tuple[str, float]:
+def _draw(row: _Row, number: int, handlers: str) -> tuple[str, float]:
     """The row's edge label and box, and where the box ends [px]."""
     x, top = MARGIN + row.depth * INDENT, number * ROW + MARGIN
     base = top + BOX / 2 + SIZE * 0.36
-    parts = [f"<g><title>{svg.escape(row.hint)}</title>"]
+    leaf = f' class="tg-leaf" data-tasks="{leaf_id(row.tasks)}" {handlers}' if row.tasks else ""
+    parts = [f"<g{leaf}><title>{svg.escape(row.hint)}</title>"]
     if row.edge:
         parts.append(svg.text(x + 2, base, row.edge, size=SIZE, color=TIME, mono=True))
         x += svg.mono_width(row.edge, SIZE) + 9
@@ -130,7 +150,8 @@ def _draw(row: _Row, number: int) -> tuple[str, float]:
         f'style="fill:{fill};stroke:{ink}" stroke-opacity="0.55"/>'
     )
     color = "var(--mantine-color-text)" if row.kind is None else ink
-    parts.append(svg.text(x + 6, base, row.label, size=SIZE, color=color, mono=True) + "</g>")
+    label = svg.text(x + 6, base, row.label, size=SIZE, color=color, mono=True, extra=LABEL)
+    parts.append(f"{label}</g>")
     return "".join(parts), x + width
 
 

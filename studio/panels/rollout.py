@@ -4,17 +4,16 @@ from functools import partial
 
 import viser
 
-from core.decompose import Kind
 from studio.clicks import ClickField
 from studio.figures.svg import escape
 from studio.figures.timeline import timeline_svg
-from studio.panels.html import Html
+from studio.panels.html import Html, note
 from studio.player import SPEEDS, Player
-from studio.recording import Outcome, Recording
+from studio.recording import Recording
 from studio.session import Session
 from studio.theme import BAD, GOOD
 
-RESTART, TOGGLE = "restart", "toggle"
+RESTART, TOGGLE, BACK, FORTH = "restart", "toggle", "back", "forth"
 
 
 class RolloutPanel:
@@ -22,6 +21,7 @@ class RolloutPanel:
 
     def __init__(self, gui: viser.GuiApi, session: Session) -> None:
         self._recording: Recording | None = None
+        self._stale = Html(gui)
         self._verdict = Html(gui)
         self._clicks = ClickField(gui, lambda value: session.post(partial(_press, session, value)))
         self._slider = gui.add_slider("Step", min=0, max=1, step=1, initial_value=0, visible=False)
@@ -35,6 +35,7 @@ class RolloutPanel:
     def draw(self, session: Session) -> None:
         """Show the recording and follow the playhead."""
         player = session.player
+        self._stale.show(note(session.analyst.stale if player.recording else "", "warn"))
         if player.recording is not self._recording:
             self._load(player.recording)
         if self._recording is None:
@@ -63,7 +64,8 @@ class RolloutPanel:
         )
         return (
             f'<div class="tg"><div class="tg-transport">{self._button("↺ Restart", RESTART)}'
-            f'{self._button(name, TOGGLE)}<span class="tg-gap"></span>'
+            f"{self._button('◂', BACK)}{self._button(name, TOGGLE)}{self._button('▸', FORTH)}"
+            f'<span class="tg-gap"></span>'
             f'<span class="tg-dim">Speed</span>{speeds}</div></div>'
         )
 
@@ -81,7 +83,9 @@ def verdict_html(recording: Recording) -> str:
         f"{variable.name} = {value}"
         for variable, value in zip(variables, recording.schedule, strict=True)
     )
-    remark = _detour(recording) if recording.satisfied else _failure(recording)
+    color_of_why = "inherit" if recording.satisfied else BAD
+    why = escape(recording.diagnosis.sentence)
+    remark = f'<div class="tg-why" style="color:{color_of_why}">{why}</div>' + _detour(recording)
     return (
         f'<div style="margin-bottom:0.4em"><span class="tg-badge" style="background:{color}">'
         f"{word}</span> &nbsp;robustness {recording.robustness:+.2f} m"
@@ -100,34 +104,13 @@ def _invitation(session: Session) -> str:
 
 def _detour(recording: Recording) -> str:
     """Say so where the formula holds, but not by the tasks of this schedule."""
+    if not recording.satisfied:
+        return ""
     missed = [outcome.predicate for outcome in recording.outcomes if outcome.worst < 0]
     if not missed:
         return ""
     text = f"The formula holds, though {', '.join(missed)} did not when the schedule asked for it."
     return f'<div class="tg-dim">{escape(text)}</div>'
-
-
-def _failure(recording: Recording) -> str:
-    failed = [
-        (outcome.first_failure, outcome)
-        for outcome in recording.outcomes
-        if outcome.first_failure is not None
-    ]
-    if not failed:
-        return ""
-    step, outcome = min(failed, key=lambda pair: pair[0])
-    return f'<div style="color:{BAD}">{escape(_sentence(step, outcome))}</div>'
-
-
-def _sentence(step: int, outcome: Outcome) -> str:
-    distance = f"by {-float(outcome.margin[step]):.2f} m"
-    match outcome.kind:
-        case Kind.REACH:
-            return f"At step {step} the robot misses {outcome.predicate} {distance}."
-        case Kind.STAY:
-            return f"At step {step} the robot is outside {outcome.predicate} {distance}."
-        case Kind.INVARIANT:
-            return f"At step {step} the robot breaks {outcome.predicate} {distance}."
 
 
 def _press(session: Session, value: str) -> None:
@@ -136,5 +119,7 @@ def _press(session: Session, value: str) -> None:
         session.player.restart()
     elif value == TOGGLE:
         session.player.toggle()
+    elif value in (BACK, FORTH):
+        session.player.step(1 if value == FORTH else -1)
     elif value in map(str, SPEEDS):
         session.player.speed = int(value)

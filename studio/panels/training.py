@@ -1,6 +1,5 @@
-"""Start and stop, and how learning goes."""
+"""Start, halt, go on and stop, and how learning goes."""
 
-import math
 import time
 from functools import partial
 
@@ -8,9 +7,11 @@ import numpy as np
 import viser
 from viser import uplot
 
-from core.training import TrainingConfig
+from studio.meaning import stale_text
 from studio.panels.html import Html, note
+from studio.panels.progress import share_done, status_html
 from studio.session import Session
+from studio.settings import LARGEST_SEED, METHODS, MODES
 from studio.worker import Point, Stage, Training
 
 MOST_POINTS = 500
@@ -22,69 +23,71 @@ SERIES = (
     uplot.Series(label="training episodes [%]", stroke="#9dbfd9", width=1.5),
     uplot.Series(label="evaluation [%]", stroke="#1e6091", width=2.5),
 )
+METHOD_LABEL = {"tgpo-star": "TGPO* (critic samples times)", "tgpo": "TGPO (uniform times)"}
+MODE_LABEL = {"studio": "studio (seconds)", "paper": "paper (to the letter)"}
 
 
 class TrainingPanel:
-    """Button, progress, numbers and the learning curve."""
+    """Buttons, settings, progress, numbers and the learning curve."""
 
     def __init__(self, gui: viser.GuiApi, session: Session) -> None:
         self._curve_drawn = 0.0
         self._curve: tuple[Point, ...] | None = None
         with gui.add_folder("Training"):
-            self._limit = gui.add_number(
-                "Time limit",
-                session.time_limit,
-                min=1.0,
-                max=3600.0,
-                step=5.0,
-                hint="Most seconds to train; ends earlier at 99.5 % success.",
-            )
             self._train = gui.add_button("Train", icon=viser.Icon.PLAYER_PLAY)
-            self._stop = gui.add_button(
-                "Stop", icon=viser.Icon.PLAYER_STOP, color="red", visible=False
+            self._halt = gui.add_button_group("Training", ("Pause", "Stop"), visible=False)
+            self._resume = gui.add_button_group("Halted", ("Resume", "Stop"), visible=False)
+            self._longer = gui.add_button(
+                "Train longer",
+                icon=viser.Icon.PLAYER_TRACK_NEXT,
+                color="gray",
+                visible=False,
+                hint="Goes on from what was learnt, past the target, until the time limit.",
             )
+            self._drop = gui.add_button("Cancel what is queued", color="gray", visible=False)
             self._bar = gui.add_progress_bar(0, visible=False)
             self._status = Html(gui)
-            self._plot = gui.add_uplot(
-                data=(np.array([0.0, 1.0]),) + (np.array([0.0, 0.0]),) * 2,
-                series=SERIES,
-                scales={
-                    "x": uplot.Scale(time=False),
-                    "y": uplot.Scale(auto=False, range=(0.0, 100.0)),
-                },
-                height=132,
-                padding=(10, 14, 0, 0),
-                visible=False,
-            )
-
-        @self._train.on_click
-        async def _(_) -> None:
-            session.post(session.train)
-
-        @self._stop.on_click
-        async def _(_) -> None:
-            session.post(session.trainer.stop)
-
-        @self._limit.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            session.post(partial(setattr, session, "time_limit", float(event.target.value)))
+            self._plot = _curve_plot(gui)
+            self._settings = SettingsControls(gui, session)
+        for group in (self._halt, self._resume):
+            _on_press(group, session)
+        for button, act in (
+            (self._train, session.train),
+            (self._longer, session.train_longer),
+            (self._drop, partial(setattr, session, "queued", None)),
+        ):
+            _on_click(button, session, act)
 
     def draw(self, session: Session) -> None:
         """Show the latest snapshot."""
         training = session.training
-        _set(self._train, visible=not training.running, disabled=bool(session.specification.error))
-        _set(self._stop, visible=training.running)
-        _set(self._limit, disabled=training.running)
+        self._show_buttons(session, training)
+        self._settings.draw(session)
         _set(
             self._bar,
-            visible=training.stage is not Stage.IDLE,
+            visible=training.stage not in (Stage.IDLE, Stage.LOADED),
             animated=training.running,
             color=_color(training),
+            value=round(100 * share_done(training), 1),
         )
-        self._bar.value = round(100 * _share(training), 1)
         problem = session.error or training.error or session.analyst.error
-        self._status.show(_status(training) + _stale(session) + note(problem))
+        self._status.show(status_html(session) + _notes(session) + note(problem))
         self._draw_curve(training)
+
+    def _show_buttons(self, session: Session, training: Training) -> None:
+        wrong = bool(session.specification.error)
+        queueing = training.busy
+        _set(
+            self._train,
+            label="Train next" if queueing else "Train",
+            visible=not queueing or (session.stale and session.queued is None),
+            disabled=wrong,
+        )
+        _set(self._halt, visible=training.running)
+        _set(self._resume, visible=training.stage is Stage.PAUSED)
+        ended = training.stage in (Stage.DONE, Stage.STOPPED, Stage.LOADED, Stage.FAILED)
+        _set(self._longer, visible=ended and training.parameters is not None and not session.stale)
+        _set(self._drop, visible=session.queued is not None)
 
     def _draw_curve(self, training: Training) -> None:
         now = time.monotonic()
@@ -95,6 +98,61 @@ class TrainingPanel:
         if len(training.curve) >= 2:
             self._plot.data = curve_data(training.curve)
         _set(self._plot, visible=len(training.curve) >= 2)
+
+
+class SettingsControls:
+    """Time limit, seed, mode and method of the next training."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session) -> None:
+        settings = session.settings
+        with gui.add_folder("Settings", expand_by_default=False):
+            self._limit = gui.add_number(
+                "Time limit",
+                settings.time_limit,
+                min=1.0,
+                max=3600.0,
+                step=5.0,
+                hint="Most seconds to train; ends earlier at 99.5 % success.",
+            )
+            self._seed = gui.add_number(
+                "Seed", session.document.scene.seed, min=0, max=LARGEST_SEED, step=1
+            )
+            self._mode = gui.add_dropdown("Mode", [MODE_LABEL[name] for name in MODES])
+            self._method = gui.add_dropdown("Method", [METHOD_LABEL[name] for name in METHODS])
+
+        @self._limit.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                seconds = min(max(float(event.target.value), 1.0), 3600.0)
+                session.post(partial(setattr, settings, "time_limit", seconds))
+
+        @self._seed.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                session.post(partial(settings.set_seed, event.target.value))
+
+        for chooser in (self._mode, self._method):
+
+            @chooser.on_update
+            async def _(event: viser.GuiEvent) -> None:
+                if event.client_id is not None:
+                    session.post(self._choose)
+
+        self._session = session
+
+    def draw(self, session: Session) -> None:
+        """The same for all clients; nothing may change while a training runs."""
+        running, settings = session.training.busy, session.settings
+        for control in (self._limit, self._seed, self._mode, self._method):
+            _set(control, disabled=running)
+        seed = session.document.scene.seed if settings.seed is None else settings.seed
+        _set(self._seed, value=seed)
+        _set(self._limit, value=settings.time_limit)
+
+    def _choose(self) -> None:
+        mode = next((m for m in MODES if MODE_LABEL[m] == self._mode.value), "")
+        method = next((m for m in METHODS if METHOD_LABEL[m] == self._method.value), "")
+        self._session.settings.choose(mode, method)
 
 
 def curve_data(curve: tuple[Point, ...]) -> tuple[np.ndarray, ...]:
@@ -108,6 +166,41 @@ def curve_data(curve: tuple[Point, ...]) -> tuple[np.ndarray, ...]:
     )
 
 
+def _curve_plot(gui: viser.GuiApi) -> viser.GuiUplotHandle:
+    return gui.add_uplot(
+        data=(np.array([0.0, 1.0]),) + (np.array([0.0, 0.0]),) * 2,
+        series=SERIES,
+        scales={
+            "x": uplot.Scale(time=False),
+            "y": uplot.Scale(auto=False, range=(0.0, 100.0)),
+        },
+        height=132,
+        padding=(10, 14, 0, 0),
+        visible=False,
+    )
+
+
+def _on_press(group: viser.GuiButtonGroupHandle, session: Session) -> None:
+    """Have the buttons of a group act."""
+    actions = {
+        "Pause": session.trainer.pause,
+        "Resume": session.trainer.proceed,
+        "Stop": session.trainer.stop,
+    }
+
+    @group.on_click
+    async def _(event: viser.GuiEvent) -> None:
+        action = actions.get(event.target.value)
+        if action is not None:
+            session.post(action)
+
+
+def _on_click(button: viser.GuiButtonHandle, session: Session, act) -> None:
+    @button.on_click
+    async def _(_) -> None:
+        session.post(act)
+
+
 def _set(handle, **properties) -> None:
     """Send only the properties that change."""
     for name, value in properties.items():
@@ -115,75 +208,12 @@ def _set(handle, **properties) -> None:
             setattr(handle, name, value)
 
 
-def _share(training: Training) -> float:
-    """Share of the budget that is used, 1 once training has ended."""
-    config = training.config
-    if config is None or training.stage is Stage.COMPILING:
-        return 0.0
-    if training.stage is Stage.DONE:
-        return 1.0
-    return min(1.0, max(training.epoch / config.epochs, training.seconds / config.time_limit))
-
-
 def _color(training: Training) -> str:
-    return {Stage.DONE: "green", Stage.FAILED: "red", Stage.STOPPED: "gray"}.get(
-        training.stage, "blue"
-    )
+    colors = {Stage.DONE: "green", Stage.FAILED: "red", Stage.STOPPED: "gray"}
+    return {**colors, Stage.PAUSED: "yellow"}.get(training.stage, "blue")
 
 
-def _status(training: Training) -> str:
-    sentence = _sentence(training)
-    cards = ""
-    if training.epoch:
-        success = training.success
-        latest = training.curve[-1].batch_success if success is None else success
-        rate = training.env_steps / max(training.seconds, 1e-6)
-        cards = "".join(
-            f'<div class="tg-card"><b>{value}</b><span>{name}</span></div>'
-            for value, name in (
-                (f"{100 * latest:.1f} %", "success"),
-                (f"{training.epoch}", "epochs"),
-                (f"{training.seconds:.1f} s", "training"),
-                (f"{rate / 1000:.0f} k", "steps / s"),
-            )
-        )
-        cards = f'<div class="tg-cards" style="margin-top:0.4em">{cards}</div>'
-    return f'<div class="tg tg-training"><div>{sentence}</div>{cards}</div>'
-
-
-def _sentence(training: Training) -> str:
-    config = training.config
-    match training.stage:
-        case Stage.IDLE:
-            return (
-                '<span class="tg-dim">Learns a policy and a critic for the formula, '
-                "usually in 10–40 s.</span>"
-            )
-        case Stage.COMPILING:
-            waited = time.monotonic() - training.began
-            return f"Preparing the programs… {waited:.0f} s (once for each robot)"
-        case Stage.TRAINING if config is not None:
-            return f"Training… {_remaining(training, config)} left at most{_goal(config)}"
-        case Stage.STOPPED:
-            return "Stopped. The best policy so far is kept."
-        case Stage.FAILED:
-            return "Training failed."
-        case _:
-            reached = config is not None and (training.success or 0) >= config.target
-            return "Done." if reached else "Done: the limit was reached before the target."
-
-
-def _remaining(training: Training, config: TrainingConfig) -> str:
-    if math.isfinite(config.time_limit):
-        return f"{max(0.0, config.time_limit - training.seconds):.0f} s"
-    return f"{config.epochs - training.epoch:,} epochs"
-
-
-def _goal(config: TrainingConfig) -> str:
-    return f"; ends at {100 * config.target:g} % success" if config.target <= 1 else ""
-
-
-def _stale(session: Session) -> str:
-    if not session.stale:
-        return ""
-    return note("The formula has changed: what is shown here belongs to the earlier one.", "warn")
+def _notes(session: Session) -> str:
+    queued = session.queued
+    waiting = "" if queued is None else f"Next: {queued.scene.name}, when this training has ended."
+    return note(waiting, "warn") + note(stale_text(session.stale_reasons), "warn")

@@ -1,14 +1,18 @@
-"""The scene: floor, regions by their roles, and the initial set."""
+"""The regions by their roles, and the initial set; a click selects one, a drag moves it."""
+
+from typing import NamedTuple
 
 import viser
 
-from envs import ENVS
-from scenes import Region, Scene
+from scenes import Region
+from studio.editor import INITIAL, SELECT, Phase, Point
 from studio.session import Session
+from studio.views.floor import drawing_drag
+from studio.views.pointer import on_level_drag
 from studio.views.roles import Role, roles
-from studio.views.solids import add_solid, rgb
+from studio.views.solids import Solid, add_solid, place_solid, rgb, top
 
-FLOOR, GRID, START = (247, 248, 250), (226, 229, 234), "#f6bd60"
+START = "#f6bd60"
 DEFAULT_COLOR = {
     Role.GOAL: "#8ecae6",
     Role.OBSTACLE: "#6b7178",
@@ -18,87 +22,120 @@ DEFAULT_COLOR = {
 HEIGHT = {Role.GOAL: 0.03, Role.OBSTACLE: 0.55, Role.DOOR: 0.3, Role.UNUSED: 0.015}
 """Of planar regions [m]."""
 OPACITY = {Role.GOAL: 0.85, Role.OBSTACLE: 1.0, Role.DOOR: 0.6, Role.UNUSED: 0.5}
+START_HEIGHT, START_OPACITY = 0.02, 0.75
+
+
+class Look(NamedTuple):
+    """What a body is rebuilt for when it changes; its place and size are only set."""
+
+    label: str
+    kind: str
+    color: str
+    height: float
+    opacity: float
+
+
+class Shown(NamedTuple):
+    """A body on screen."""
+
+    look: Look
+    region: Region
+    body: Solid
+    label: viser.LabelHandle
 
 
 class RegionsView:
-    """Rebuilt when the scene or the roles of its regions change."""
+    """Node `/scene/region0`, ... in the scene's order, and `/scene/initial`."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene = server.scene
         self._server = server
-        self._drawn: tuple[Scene, dict[str, Role]] | None = None
+        self._shown: dict[str, Shown] = {}
+        self._drawn: tuple | None = None
         server.initial_camera.position = (0.0, -13.0, 15.8)
         server.initial_camera.look_at = (0.0, -1.9, 0.0)
         server.initial_camera.fov = 0.8
         _light(self._scene)
 
     def draw(self, session: Session) -> None:
-        """Show the scene under the formula that was right last."""
-        specification = session.specification
-        scene, decomposition = specification.scene, specification.decomposition
-        current = (scene, roles(scene.region_names, decomposition))
-        if current == self._drawn:
+        """Show the scene as edited, under the formula that was right last."""
+        scene, decomposition = session.document.scene, session.specification.decomposition
+        current = (session.document, scene, decomposition)
+        if self._drawn is not None and all(a is b for a, b in zip(current, self._drawn)):  # noqa: B905
             return
         self._drawn = current
+        found = roles(scene.region_names, decomposition)
+        wanted = {
+            f"/scene/region{index}": (region_look(region, found[region.name]), region)
+            for index, region in enumerate(scene.regions)
+        }
+        wanted["/scene/initial"] = (initial_look(scene.initial), scene.initial)
         with self._server.atomic():
-            self._scene.remove_by_name("/scene")
-            self._draw_floor(scene)
-            for index, region in enumerate(scene.regions):
-                self._draw_region(f"/scene/region{index}", region, current[1][region.name])
-            self._draw_initial(scene.initial)
+            for node in [node for node in self._shown if node not in wanted]:
+                self._shown.pop(node).body.remove()
+            for node, (look, region) in wanted.items():
+                self._show(session, node, look, region)
 
-    def _draw_floor(self, scene: Scene) -> None:
-        (left, right), (front, back) = ENVS[scene.robot].workspace[:2]
-        width, depth = right - left, back - front
-        middle = ((left + right) / 2, (front + back) / 2)
-        self._scene.add_box(
-            "/scene/floor",
-            FLOOR,
-            (width, depth, 0.1),
-            position=(*middle, -0.051),
-            cast_shadow=False,
-        )
-        self._scene.add_grid(
-            "/scene/grid",
-            width,
-            depth,
-            cell_size=1.0,
-            section_size=5.0,
-            cell_color=GRID,
-            section_color=GRID,
-            shadow_opacity=0.0,
-            position=(*middle, 0.002),
-        )
-
-    def _draw_region(self, name: str, region: Region, role: Role) -> None:
-        chosen = None if role is Role.UNUSED else region.color
-        top = add_solid(
-            self._scene,
-            name,
-            region,
-            rgb(chosen or DEFAULT_COLOR[role]),
-            HEIGHT[role],
-            OPACITY[role],
-        )
-        self._label(name, region.name, (0.0, 0.0, top), 0.9)
-
-    def _draw_initial(self, region: Region) -> None:
-        top = add_solid(
-            self._scene, "/scene/initial", region, rgb(region.color or START), 0.02, 0.75
-        )
-        front = -region.size[min(1, len(region.size) - 1)]
-        self._label("/scene/initial", "start", (0.0, front, top), 0.8)
-
-    def _label(
-        self, name: str, label: str, position: tuple[float, float, float], scale: float
-    ) -> None:
-        self._scene.add_label(
-            f"{name}/label",
-            label,
-            position=position,
+    def _show(self, session: Session, node: str, look: Look, region: Region) -> None:
+        shown = self._shown.get(node)
+        if shown is not None and shown.look == look:
+            if shown.region != region:
+                place_solid(shown.body, region, look.height)
+                shown.label.position = _label_position(node, region, look.height)
+                self._shown[node] = shown._replace(region=region)
+            return
+        if shown is not None:
+            shown.body.remove()
+        body = add_solid(self._scene, node, region, rgb(look.color), look.height, look.opacity)
+        label = self._scene.add_label(
+            f"{node}/label",
+            look.label,
+            position=_label_position(node, region, look.height),
             anchor="center-center",
-            font_screen_scale=scale,
+            font_screen_scale=0.8 if node.endswith("initial") else 0.9,
         )
+        self._shown[node] = Shown(look, region, body, label)
+        target = INITIAL if node.endswith("initial") else region.name
+        _listen(session, body, target)
+
+
+def region_look(region: Region, role: Role) -> Look:
+    """How a region is drawn in a role."""
+    chosen = None if role is Role.UNUSED else region.color
+    color = chosen or DEFAULT_COLOR[role]
+    return Look(region.name, region.kind, color, HEIGHT[role], OPACITY[role])
+
+
+def initial_look(region: Region) -> Look:
+    """How the initial set is drawn."""
+    return Look("start", region.kind, region.color or START, START_HEIGHT, START_OPACITY)
+
+
+def _listen(session: Session, body: Solid, target: str) -> None:
+    """Select by a click, move by a drag; while a tool for drawing is held, draw."""
+    draw = drawing_drag(session)
+
+    def move(phase: Phase, start: Point, end: Point) -> None:
+        if session.editor.tool == SELECT:
+            session.post(lambda: session.editor.move(target, phase, start, end))
+
+    def draw_with_tool(phase: Phase, start: Point, end: Point) -> None:
+        if session.editor.tool != SELECT:
+            draw(phase, start, end)
+
+    on_level_drag(body, move)
+    on_level_drag(body, draw_with_tool, height=0.0)
+    on_level_drag(body, draw, height=0.0, modifier="shift")
+    if target != INITIAL:
+
+        @body.on_click
+        async def _(_) -> None:
+            session.post(lambda: session.editor.select(target))
+
+
+def _label_position(node: str, region: Region, height: float) -> tuple[float, float, float]:
+    front = -region.size[min(1, len(region.size) - 1)] if node.endswith("initial") else 0.0
+    return 0.0, front, top(region, height)
 
 
 def _light(scene: viser.SceneApi) -> None:

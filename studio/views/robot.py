@@ -32,7 +32,8 @@ class RobotView:
         player, task = session.player, session.specification.task
         recording, position = player.recording, player.position
         robot = session.specification.scene.robot
-        current = (robot, recording, position, None if recording else task)
+        start = session.analyst.start
+        current = (robot, recording, position, None if recording else task, start)
         if current == self._drawn:
             return
         self._drawn = current
@@ -44,7 +45,7 @@ class RobotView:
                 self._place(robot, *interpolated(recording, position))
                 self._extend(recording, position)
             elif task is not None:
-                state = initial_state(task)
+                state = initial_state(task, start)
                 position = np.asarray(task.robot.position(state))
                 self._place(robot, np.asarray(state), _spatial(position))
 
@@ -72,12 +73,12 @@ class RobotView:
         self._path = self._trail = None
         if recording is None:
             return
-        segments = _segments(recording.positions, 0.03)
+        lines = segments(recording.positions, 0.03)
         self._path = self._server.scene.add_line_segments(
-            "/path", segments, (206, 212, 218), thickness=0.04
+            "/path", lines, (206, 212, 218), thickness=0.04
         )
         self._trail = self._server.scene.add_line_segments(
-            "/trail", segments[:1] + LIFT, TRAIL, thickness=0.08
+            "/trail", lines[:1] + LIFT, TRAIL, thickness=0.08
         )
 
     def _extend(self, recording: Recording, position: float) -> None:
@@ -85,7 +86,7 @@ class RobotView:
             return
         done = recording.positions[: int(position) + 1]
         here = interpolated(recording, position)[1]
-        self._trail.points = _segments(np.concatenate([done, here[None]]), 0.03 + LIFT)
+        self._trail.points = segments(np.concatenate([done, here[None]]), 0.03 + LIFT)
 
 
 def interpolated(recording: Recording, position: float) -> tuple[np.ndarray, np.ndarray]:
@@ -98,7 +99,7 @@ def interpolated(recording: Recording, position: float) -> tuple[np.ndarray, np.
     )
 
 
-def _segments(points: np.ndarray, height: float) -> np.ndarray:
+def segments(points: np.ndarray, height: float) -> np.ndarray:
     """Segments [N - 1, 2, 3] between consecutive points [N, 3], raised by a height [m]."""
     lifted = (points + np.array([0.0, 0.0, height])).astype(np.float32)
     return np.stack([lifted[:-1], lifted[1:]], axis=1)

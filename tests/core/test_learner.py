@@ -29,6 +29,7 @@ class Probe:
     kind: str
     scale: float = 1.0
     exploring: float = 0.0
+    gradual_stays: bool = False
 
     def begin(self, robot, world, problem, windows, state, tau):
         del robot, world, problem, windows

@@ -20,6 +20,12 @@ EVIL = "<img src=x onerror=alert(1)>"
 """A region's name that a careless page would run."""
 
 
+@pytest.fixture(autouse=True)
+def own_state_folder(tmp_path, monkeypatch):
+    """Autosaves of the tests are not the user's."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
 @pytest.fixture
 def evil_scene() -> Scene:
     """linear-08 with A1 called `EVIL`."""

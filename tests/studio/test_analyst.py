@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from core.algorithm import Algorithm
 from core.heatmap import Heatmap
 from core.programs import fresh_learner
 from core.training import TrainingConfig
@@ -62,8 +63,8 @@ def test_broken_values_are_not_chosen():
         np.array([[0.0, 0.0, 0.5]]),
         np.zeros(8, np.int32),
     )
-    assert best_cell(map_, prune=True)[0] == 0
-    assert best_cell(map_, prune=False)[0] == 2
+    assert best_cell(map_, Algorithm(prune=True))[0] == 0
+    assert best_cell(map_, Algorithm(prune=False))[0] == 2
 
 
 def test_times_of_branches_not_taken_are_not_offered_first():

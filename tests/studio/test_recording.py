@@ -25,7 +25,8 @@ GOOD = {"A1": (18, 22), "A2": (50, 50), "A3": (65, 75)}
 
 def recorded(task, visits, schedule=SCHEDULE, crash=None):
     states = np.linspace(0, 1, task.steps + 1)[:, None] * np.ones(2)
-    return record(task, schedule, states, margins_of(task, visits, crash))
+    actions = np.zeros((task.steps, 2))
+    return record(task, schedule, states, actions, margins_of(task, visits, crash))
 
 
 def test_a_trace_that_keeps_to_the_schedule_is_satisfied(linear_task):
@@ -66,6 +67,6 @@ def test_a_broken_simulation_is_a_violation(linear_task):
     states = np.zeros((linear_task.steps + 1, 2))
     margins = margins_of(linear_task, GOOD)
     margins[3, 0] = np.nan
-    recording = record(linear_task, SCHEDULE, states, margins)
+    recording = record(linear_task, SCHEDULE, states, np.zeros((linear_task.steps, 2)), margins)
     assert recording.robustness == -np.inf
     assert not recording.satisfied

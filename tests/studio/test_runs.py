@@ -169,9 +169,7 @@ def test_weights_that_are_not_finite_are_never_kept(tmp_path, config, linear_tas
     load_bundle(run.folder / "bundle")
 
 
-def test_a_full_disk_keeps_the_last_checkpoint(
-    tmp_path, config, linear_task, history, monkeypatch
-):
+def test_a_full_disk_keeps_the_last_checkpoint(tmp_path, config, linear_task, history, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 

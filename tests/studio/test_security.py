@@ -1,5 +1,6 @@
 import http.client
 import socket
+from contextlib import ExitStack, suppress
 
 import msgspec
 import pytest
@@ -7,7 +8,14 @@ import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from studio.security import LARGEST_MESSAGE, AddressError, check_address, start_server
+from studio.archives import LARGEST_UPLOAD
+from studio.security import (
+    LARGEST_MESSAGE,
+    AddressError,
+    check_address,
+    chosen_token,
+    start_server,
+)
 from tests.studio.conftest import free_port
 from tests.studio.waiting import wait_for
 
@@ -155,3 +163,145 @@ def test_a_busy_port_is_an_error_that_names_a_free_one():
     assert str(port) in str(error.value)
     assert suggested > port
     check_address("127.0.0.1", suggested)
+
+
+TOKEN = "correct-horse"
+
+
+@pytest.fixture(scope="module")
+def guarded_server():
+    server = start_server("127.0.0.1", free_port(), "test", TOKEN)
+    yield server
+    server.stop()
+
+
+def answer(server, path="/", *, cookie=None, websocket=False, host="lab.example:80", origin=None):
+    connection = http.client.HTTPConnection("127.0.0.1", server.get_port(), timeout=10)
+    connection.putrequest("GET", path, skip_host=True)
+    connection.putheader("Host", host)
+    if origin is not None:
+        connection.putheader("Origin", origin)
+    if cookie is not None:
+        connection.putheader("Cookie", cookie)
+    if websocket:
+        connection.putheader("Upgrade", "websocket")
+        connection.putheader("Connection", "Upgrade")
+        connection.putheader("Sec-WebSocket-Version", "13")
+        connection.putheader("Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ==")
+        connection.putheader("Sec-WebSocket-Protocol", f"viser-v{viser.__version__}")
+    connection.endheaders()
+    response = connection.getresponse()
+    connection.close()
+    return response
+
+
+@pytest.mark.parametrize("websocket", [False, True])
+@pytest.mark.parametrize("shown", ["query", "cookie"])
+def test_the_token_opens_page_and_websocket(guarded_server, websocket, shown):
+    path = f"/?token={TOKEN}" if shown == "query" else "/"
+    cookie = f"tgpo-token={TOKEN}" if shown == "cookie" else None
+    response = answer(guarded_server, path, cookie=cookie, websocket=websocket)
+    assert response.status == (101 if websocket else 200)
+
+
+@pytest.mark.parametrize("websocket", [False, True])
+@pytest.mark.parametrize(
+    ("path", "cookie"),
+    [
+        ("/", None),
+        ("/?token=", None),
+        ("/?token=wrong-token", None),
+        (f"/{TOKEN}", None),
+        ("/", "tgpo-token=wrong-token"),
+        ("/", f"other={TOKEN}"),
+    ],
+)
+def test_without_the_token_nothing_opens(guarded_server, path, cookie, websocket):
+    assert answer(guarded_server, path, cookie=cookie, websocket=websocket).status == 403
+
+
+def test_the_page_hands_its_websocket_the_token(guarded_server):
+    cookie = answer(guarded_server, f"/?token={TOKEN}").headers["Set-Cookie"]
+    assert "HttpOnly" in cookie
+    assert "SameSite=Strict" in cookie
+    response = answer(guarded_server, cookie=cookie.split(";")[0], websocket=True)
+    assert response.status == 101
+
+
+def test_a_token_does_not_open_the_page_to_other_sites(guarded_server):
+    foreign = {"cookie": f"tgpo-token={TOKEN}", "origin": "http://evil.example"}
+    assert answer(guarded_server, websocket=True, **foreign).status == 403
+
+
+def test_tokens_are_made_where_they_are_needed():
+    assert chosen_token("127.0.0.1", None) == ""
+    assert len(chosen_token("0.0.0.0", None)) >= 20
+    assert chosen_token("0.0.0.0", None) != chosen_token("0.0.0.0", None)
+    check_address("0.0.0.0", free_port(), chosen_token("0.0.0.0", None))
+
+
+@pytest.mark.parametrize("token", ["", "short", "with space!!", "a" * 300])
+def test_tokens_that_do_not_protect_are_refused(token):
+    with pytest.raises(AddressError, match="token"):
+        chosen_token("0.0.0.0", token)
+
+
+def upload(client, button, name, size, *, declared=None, chunk=500_000):
+    """Send a file of zeros as the page does."""
+    parts = -(-size // chunk)
+    start = {"type": "FileTransferStartUpload", "source_component_uuid": button._impl.uuid}
+    start |= {"transfer_uuid": name, "filename": name, "mime_type": "", "part_count": parts}
+    client.send(msgspec.msgpack.encode(start | {"size_bytes": declared or size}))
+    for index in range(parts):
+        content = bytes(min(chunk, size - index * chunk))
+        part = {"type": "FileTransferPart", "source_component_uuid": button._impl.uuid}
+        part |= {"transfer_uuid": name, "part_index": index, "content": content}
+        client.send(msgspec.msgpack.encode(part))
+
+
+def test_large_uploads_are_refused_and_small_ones_arrive(server):
+    button = server.gui.add_upload_button("upload")
+    seen = []
+    with open_socket(server) as client:
+        for name, size, declared in (
+            ("sixty", 60_000_000, None),
+            ("liar", 2_000_000, 1000),
+            ("../../small", 1_500_000, None),
+        ):
+            upload(client, button, name, size, declared=declared)
+            seen.append(button.value.name)
+        assert wait_for(lambda: button.value.name == "../../small")
+    assert set(seen) <= {"", "../../small"}
+    assert len(button.value.content) == 1_500_000
+    assert wait_for(lambda: not server.gui._current_file_upload_states)
+    assert LARGEST_UPLOAD < 60_000_000
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        b"",
+        b"\xff\x00garbage",
+        "text",
+        msgspec.msgpack.encode([1, 2, 3]),
+        msgspec.msgpack.encode({"type": "NoSuchMessage"}),
+        msgspec.msgpack.encode({"type": "GuiUpdateMessage"}),
+        msgspec.msgpack.encode({"type": "GuiUpdateMessage", "uuid": 5, "updates": "x"}),
+    ],
+)
+def test_malformed_messages_leave_the_server_alive(server, message):
+    field = server.gui.add_text("field", "")
+    with open_socket(server) as client, suppress(ConnectionClosed):
+        client.send(message)
+    with open_socket(server) as client:
+        client.send(gui_update(field, "alive"))
+        assert wait_for(lambda: field.value == "alive")
+
+
+def test_ten_clients_at_once(server):
+    field = server.gui.add_text("field", "")
+    with ExitStack() as stack:
+        clients = [stack.enter_context(open_socket(server)) for _ in range(10)]
+        for number, client in enumerate(clients):
+            client.send(gui_update(field, f"from {number}"))
+            assert wait_for(lambda n=number: field.value == f"from {n}")

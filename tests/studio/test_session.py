@@ -1,3 +1,4 @@
+import threading
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -18,18 +19,20 @@ LATE = 1e12
 @pytest.fixture
 def session(monkeypatch):
     """A session whose trainer ends after an epoch and whose analyst answers with markers."""
-    state = SimpleNamespace(best="best", best_success=1.0)
+    learner = SimpleNamespace(chains=None)
+    state = SimpleNamespace(best="best", best_success=1.0, learner=learner)
     epoch = SimpleNamespace(
         epoch=1,
         env_steps=10,
         train_seconds=0.1,
         batch_success=0.5,
+        batch_return=0.0,
         evaluation=SimpleNamespace(success_rate=1.0),
         parameters="weights",
         state=state,
     )
-    monkeypatch.setattr(worker, "train", lambda task, config: iter([epoch]))
-    monkeypatch.setattr(analyst, "_draw", lambda subject, axes: cast(Any, (subject, axes)))
+    monkeypatch.setattr(worker, "train", lambda task, config, state=None: iter([epoch]))
+    monkeypatch.setattr(analyst, "_draw", lambda *asked: cast(Any, asked))
 
     def answer(self, subject, request):
         self.recording = SimpleNamespace(
@@ -134,3 +137,39 @@ def test_another_task_drops_what_was_learnt(session):
     assert session.training.stage is Stage.IDLE
     assert session.player.recording is None
     assert session.analyst.picture is None
+
+
+def test_a_second_training_waits_for_the_end_of_the_first(session, monkeypatch):
+    gate = threading.Event()
+    first = worker.train
+
+    def train(task, config, state=None):
+        gate.wait(10)
+        yield from first(task, config)
+
+    monkeypatch.setattr(worker, "train", train)
+    session.post(session.train)
+    session.tick(0.0)
+    running = session.training.task
+    session.post(lambda: session.edit("F_[0:90](A2)"))
+    session.post(session.train)
+    session.tick(0.0)
+    assert session.queued is not None
+    assert session.training.task is running
+    gate.set()
+    assert ticked(session, lambda: session.training.stage is Stage.DONE and not session.queued)
+    assert ticked(session, lambda: session.training.task is not running)
+    assert session.trained.formula == "F_[0:90](A2)"
+
+
+def test_a_shipped_policy_plays_without_training(session):
+    session.post(session.show_shipped)
+    assert ticked(session, lambda: session.player.recording is not None)
+    assert session.training.stage is Stage.LOADED
+    assert session.policy().success_rate >= 0.97
+    assert not session.stale
+
+
+def test_there_is_no_policy_before_training(session):
+    with pytest.raises(UserError, match="no policy yet"):
+        session.policy()

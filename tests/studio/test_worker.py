@@ -16,12 +16,18 @@ TASK = cast(Any, "task")
 
 def progress(epoch, success=None, best="best"):
     evaluation = None if success is None else SimpleNamespace(success_rate=success)
-    state = SimpleNamespace(best=best, best_success=-1.0 if success is None else success)
+    state = SimpleNamespace(
+        best=best,
+        best_success=-1.0 if success is None else success,
+        learner=SimpleNamespace(chains=f"chains{epoch}"),
+    )
+    state._replace = lambda **_: SimpleNamespace(epoch=epoch, seconds=0.5 * epoch)
     return SimpleNamespace(
         epoch=epoch,
         env_steps=1000 * epoch,
         train_seconds=0.5 * epoch,
         batch_success=0.1 * epoch,
+        batch_return=0.0,
         evaluation=evaluation,
         parameters=f"weights{epoch}",
         state=state,
@@ -41,7 +47,7 @@ class ScriptedTrainer(Trainer):
 def trainer(monkeypatch):
     trainer = ScriptedTrainer()
 
-    def train(task, config):
+    def train(task, config, state=None):
         for step in trainer.script:
             trainer.gate.acquire()
             if isinstance(step, Exception):
@@ -132,3 +138,47 @@ def test_what_is_forgotten_does_not_come_back(trainer):
     trainer.gate.release()
     trainer.close()
     assert trainer.snapshot.stage is Stage.IDLE
+
+
+def test_a_pause_halts_after_the_epoch_and_goes_on_from_its_state(trainer, monkeypatch):
+    trainer.script = [progress(1), progress(2), progress(3)]
+    trainer.start(TASK, CONFIG)
+    trainer.pause()
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.PAUSED)
+    halted = trainer.snapshot
+    assert (halted.epoch, halted.busy, halted.running) == (1, True, False)
+    resumed = []
+
+    def train(task, config, state=None):
+        resumed.append(state)
+        yield progress(2)
+
+    monkeypatch.setattr(worker, "train", train)
+    trainer.proceed()
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.DONE)
+    assert resumed[0].epoch == 1
+    assert [point.epoch for point in trainer.snapshot.curve] == [1, 2]
+
+
+def test_a_halted_training_can_be_stopped(trainer):
+    trainer.script = [progress(1, 0.5)]
+    trainer.start(TASK, CONFIG)
+    trainer.pause()
+    trainer.gate.release()
+    assert wait_for(lambda: trainer.snapshot.stage is Stage.PAUSED)
+    trainer.stop()
+    assert trainer.snapshot.stage is Stage.STOPPED
+    assert trainer.snapshot.parameters == "best"
+
+
+def test_there_must_be_something_to_go_on_with(trainer):
+    with pytest.raises(UserError, match="no training"):
+        trainer.proceed()
+
+
+def test_loaded_weights_take_the_place_of_a_training(trainer):
+    trainer.adopt(TASK, CONFIG, cast(Any, "weights"), epoch=9, success=0.99, origin="a file")
+    snapshot = trainer.snapshot
+    assert (snapshot.stage, snapshot.parameters) == (Stage.LOADED, "weights")
+    assert (snapshot.epoch, snapshot.success, snapshot.origin) == (9, 0.99, "a file")

@@ -36,8 +36,9 @@ def test_subgoals_never_share_a_row():
 
 def test_the_drawing_is_well_formed(linear_task):
     outcomes = (outcome([1] * 6, 0, 2), outcome([1, 1, -1, 1, 1, 1], 1, 5, predicate="<b>"))
+    states, actions, margins = np.zeros((6, 2)), np.zeros((5, 2)), np.zeros((6, 8))
     recording = Recording(
-        linear_task, (1, 2, 3), np.zeros((6, 2)), np.zeros((6, 3)), -1.0, outcomes
+        linear_task, (1, 2, 3), states, actions, margins, np.zeros((6, 3)), -1.0, outcomes
     )
     root = ET.fromstring(timeline_svg(recording))
     colors = [n.attrib["fill"] for n in root.iter() if n.tag.endswith("rect")]

@@ -1,0 +1,117 @@
+"""How a training goes, in a sentence and a few numbers."""
+
+import math
+import time
+
+from core.training import TrainingConfig
+from studio.figures.svg import escape
+from studio.session import Session
+from studio.settings import FOREVER
+from studio.worker import Stage, Training
+
+
+def share_done(training: Training) -> float:
+    """Share of the budget that is used, 1 once training has ended."""
+    config = training.config
+    if config is None or training.stage is Stage.COMPILING:
+        return 0.0
+    if training.stage is Stage.DONE:
+        return 1.0
+    epochs = max(1, config.epochs - training.began_epoch)
+    seconds = max(1e-6, config.time_limit - training.began_seconds)
+    by_epochs = (training.epoch - training.began_epoch) / epochs
+    return min(1.0, max(by_epochs, (training.seconds - training.began_seconds) / seconds))
+
+
+def epoch_rate(training: Training) -> float | None:
+    """Epochs a second since the training was started or resumed; None before the first."""
+    seconds = training.seconds - training.began_seconds
+    epochs = training.epoch - training.began_epoch
+    return epochs / seconds if seconds > 0 and epochs > 0 else None
+
+
+def eta(training: Training) -> float | None:
+    """Seconds until the budget is used up at the latest; None where that is not known yet."""
+    config, rate = training.config, epoch_rate(training)
+    if config is None or rate is None:
+        return None
+    left = config.time_limit - training.seconds
+    return max(0.0, min(left, (config.epochs - training.epoch) / rate))
+
+
+def status_html(session: Session) -> str:
+    """The sentence and the cards."""
+    training = session.training
+    sentence = _sentence(session)
+    cards = "".join(
+        f'<div class="tg-card"><b>{value}</b><span>{name}</span></div>'
+        for value, name in _numbers(training)
+    )
+    if cards:
+        cards = f'<div class="tg-cards" style="margin-top:0.4em">{cards}</div>'
+    return f'<div class="tg tg-training"><div>{sentence}</div>{cards}</div>'
+
+
+def _numbers(training: Training) -> list[tuple[str, str]]:
+    if not training.curve or not training.epoch:
+        return []
+    success, last = training.success, training.curve[-1]
+    shown = last.batch_success if success is None else success
+    numbers = [(f"{100 * shown:.1f} %", "success"), (f"{training.epoch}", "epochs")]
+    rate = epoch_rate(training)
+    if rate is None:
+        return numbers
+    steps = training.env_steps / max(training.epoch, 1) * rate
+    return [
+        *numbers,
+        (f"{training.seconds:.1f} s", "training"),
+        (f"{last.batch_return:+.2f}", "return / step"),
+        (f"{rate:.1f}", "epochs / s"),
+        (f"{steps / 1000:.0f} k", "steps / s"),
+    ]
+
+
+def _sentence(session: Session) -> str:
+    training = session.training
+    config = training.config
+    match training.stage:
+        case Stage.IDLE:
+            return (
+                '<span class="tg-dim">Learns a policy and a critic for the formula, '
+                "usually in 10–40 s.</span>"
+            )
+        case Stage.LOADED:
+            return _loaded(session)
+        case Stage.COMPILING:
+            waited = time.monotonic() - training.began
+            return f"Preparing the programs… {waited:.0f} s (once for each robot)"
+        case Stage.TRAINING if config is not None:
+            return f"Training… {_remaining(training, config)}{_goal(config)}"
+        case Stage.PAUSED:
+            return "Paused. Resume goes on exactly where it halted."
+        case Stage.STOPPED:
+            return "Stopped. The best policy so far is kept."
+        case Stage.FAILED:
+            return "Training failed."
+        case _:
+            reached = config is not None and (training.success or 0) >= config.target
+            longer = config is not None and config.target > 1
+            return "Done." if reached or longer else "Done: the limit was reached first."
+
+
+def _loaded(session: Session) -> str:
+    origin = escape(session.training.origin)
+    if session.analyst.picture is None and not session.analyst.error:
+        return f"Showing {origin}. Warming up…"
+    return f"Showing {origin}. Train starts anew."
+
+
+def _remaining(training: Training, config: TrainingConfig) -> str:
+    left = eta(training)
+    if left is not None and math.isfinite(left) and config.epochs <= FOREVER:
+        return f"{left:.0f} s left at most"
+    return f"{config.epochs - training.epoch:,} epochs left at most"
+
+
+def _goal(config: TrainingConfig) -> str:
+    return f"; ends at {100 * config.target:g} % success" if config.target <= 1 else ""

@@ -1,0 +1,82 @@
+"""Autosave while one works, and the offer of what a crash has left."""
+
+import time
+from functools import partial
+from pathlib import Path
+
+import viser
+
+from core.errors import UserError
+from studio.figures.svg import escape
+from studio.panels.html import Html, note
+from studio.projects import Autosave, ProjectError, Recoverable, discard, recoverable
+from studio.session import Session
+
+PERIOD = 2.0
+"""Between two looks at whether there is something to save [s]."""
+
+
+class RecoveryPanel:
+    """Nothing on screen, unless there is something to recover or autosave does not work."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session, folder: Path) -> None:
+        self._session, self._folder = session, folder
+        self._left: Recoverable | None = next(iter(recoverable(folder)), None)
+        self._problem, self._due = "", 0.0
+        self._autosave: Autosave | None = None
+        try:
+            self._autosave = Autosave(folder)
+        except UserError as error:
+            self._problem = str(error)
+        self._note = Html(gui)
+        self._choice = gui.add_button_group("", ("Recover", "Discard"), visible=False)
+
+        @self._choice.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            session.post(partial(self._choose, event.target.value))
+
+    def draw(self, session: Session) -> None:
+        """Save what is modified; show the offer."""
+        now = time.monotonic()
+        if self._autosave is not None and now >= self._due:
+            self._due = now + PERIOD
+            self._save(self._autosave, session)
+        if self._choice.visible != (self._left is not None):
+            self._choice.visible = self._left is not None
+        self._note.show(_offer(self._left) + note(self._problem, "warn"))
+
+    def close(self) -> None:
+        """End the autosave; unsaved work stays to be recovered."""
+        if self._autosave is not None:
+            self._autosave.close(keep=self._session.document.modified)
+
+    def _save(self, autosave: Autosave, session: Session) -> None:
+        if not session.document.modified:
+            return
+        try:
+            autosave.save(session.document.scene)
+            self._problem = ""
+        except UserError as error:
+            self._problem = f"Autosave failed. {error}"
+
+    def _choose(self, choice: str) -> None:
+        """Take what was left, or drop it; either way it is not offered again."""
+        left, self._left = self._left, None
+        if left is None:
+            return
+        if choice == "Recover":
+            self._session.open(left.scene)
+        try:
+            discard(left.session, self._folder)
+        except ProjectError as error:
+            self._problem = str(error)
+
+
+def _offer(left: Recoverable | None) -> str:
+    if left is None:
+        return ""
+    when = time.strftime("%Y-%m-%d %H:%M", time.localtime(left.saved_at))
+    return (
+        '<div class="tg"><div class="tg-note tg-warn tg-recovery">Unsaved work on '
+        f"<b>{escape(left.scene.name)}</b> from {when} can be recovered.</div></div>"
+    )

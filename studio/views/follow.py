@@ -1,0 +1,47 @@
+"""The camera goes along with the robot, each client's as it is turned."""
+
+import numpy as np
+import viser
+
+from studio.session import Session
+from studio.views.robot import interpolated
+
+NEARER = 0.25
+"""Share of the way to the camera by which it looks short of the robot: a panel covers the rest."""
+
+LEAST = 0.03
+"""Way of the robot after which the camera is moved [m]."""
+
+
+class FollowView:
+    """Moves the cameras by what the robot has moved, while `Session.following`."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._server = server
+        self._last: np.ndarray | None = None
+
+    def draw(self, session: Session) -> None:
+        """Follow the playhead."""
+        player = session.player
+        if not session.following or player.recording is None:
+            self._last = None
+            return
+        here = interpolated(player.recording, player.position)[1]
+        clients = self._server.get_clients().values()
+        if self._last is None:
+            moves = [_centring(here, client.camera) for client in clients]
+        else:
+            moves = [here - self._last] * len(clients)
+            if np.linalg.norm(moves[0] if moves else 0) < LEAST:
+                return
+        self._last = here
+        for client, move in zip(clients, moves, strict=True):
+            # The library moves the point looked at along with the position.
+            client.camera.position = np.asarray(client.camera.position, float) + move
+
+
+def _centring(here: np.ndarray, camera: viser.CameraHandle) -> np.ndarray:
+    """Move that brings the robot into the free upper part of the picture."""
+    target = np.asarray(camera.look_at, float)
+    towards = (np.asarray(camera.position, float) - target) * np.array([1.0, 1.0, 0.0])
+    return here + NEARER * towards - target

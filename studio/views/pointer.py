@@ -1,0 +1,61 @@
+"""Drags in the 3D scene as points in space.
+
+The viewer reports where the pointer is on a plane that faces the camera; what a person means is
+the point below it on a level plane. Handlers are coroutines: the library may call plain functions
+in another order than the events came in.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from studio.editor import Phase, Point
+
+Dragged = Callable[[Phase, Point, Point], None]
+"""Takes the phase, where the drag began and where it is [m]."""
+
+
+def level_point(eye: np.ndarray, through: np.ndarray, height: float) -> Point:
+    """Where the ray from the eye through a point meets the plane z = height [m].
+
+    A ray that does not descend to the plane is cut at the given point.
+    """
+    ray = through - eye
+    share = (height - eye[2]) / ray[2] if abs(ray[2]) > 1e-9 else 0.0
+    if share <= 0:
+        return float(through[0]), float(through[1]), height
+    x, y, _ = eye + share * ray
+    return float(x), float(y), height
+
+
+def on_level_drag(
+    node: Any, dragged: Dragged, *, height: float | None = None, modifier: Any = None
+) -> None:
+    """Report drags of a node along a level plane.
+
+    Args:
+        node: handle of a scene node.
+        dragged: called on the server's event loop.
+        height: of the plane; None for that of the point that was grabbed.
+        modifier: key to be held, None for no key.
+    """
+
+    @node.on_drag("left", modifier=modifier)
+    async def _(event: viser.SceneNodeDragEvent) -> None:
+        eye = np.asarray(event.client.camera.position, float)
+        grabbed, pointer = (
+            np.asarray(point, float) for point in (event.start_position, event.end_position)
+        )
+        level = float(grabbed[2]) if height is None else height
+        start = level_point(eye, grabbed, level)
+        dragged(event.phase, start, level_point(eye, pointer, level))
+
+
+def on_free_drag(node: Any, dragged: Dragged) -> None:
+    """Report drags of a node along the plane that faces the camera."""
+
+    @node.on_drag("left")
+    async def _(event: viser.SceneNodeDragEvent) -> None:
+        dragged(event.phase, tuple(event.start_position), tuple(event.end_position))

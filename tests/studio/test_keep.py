@@ -1,0 +1,115 @@
+"""The files of the Keep tab, made from the shipped policy without a browser, and its panels."""
+
+import io
+import json
+import threading
+import zipfile
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from core.errors import UserError
+from scenes import load_task, parse_scene
+from studio import keeping
+from studio.app import Studio
+from studio.keeping import load_policy
+from studio.panels.recovery import RecoveryPanel
+from studio.projects import Autosave, recoverable
+from studio.session import Session
+from tests.studio.conftest import free_port
+from tests.studio.waiting import wait_for
+
+
+@pytest.fixture(scope="module")
+def shown(disk_cache):
+    """A session on which the shipped policy has played."""
+    session = Session(load_task("linear-08"), None, lambda scene, limit: pytest.fail("no training"))
+    session.post(session.show_shipped)
+
+    def playing():
+        session.tick(0.0)
+        return session.player.recording is not None and session.analyst.picture is not None
+
+    assert wait_for(playing, timeout=60)
+    yield session
+    session.close()
+
+
+@pytest.fixture
+def blank():
+    session = Session(load_task("linear-08"), None, lambda scene, limit: pytest.fail("no training"))
+    yield session
+    session.close()
+
+
+def test_the_demo_satisfies_its_formula(shown):
+    assert shown.player.recording.satisfied
+
+
+def test_every_export_can_be_read(shown, tmp_path):
+    name, content = keeping.project_file(shown)
+    assert name == "linear-08.stl.toml"
+    assert parse_scene(content.decode(), name) == shown.document.scene
+    rows = keeping.csv_file(shown).content.decode().splitlines()
+    assert len(rows) == shown.player.recording.steps + 2
+    with np.load(io.BytesIO(keeping.npz_file(shown).content)) as arrays:
+        assert arrays["satisfied"]
+    for export in (keeping.heatmap_file, keeping.tree_file):
+        assert Image.open(io.BytesIO(export(shown).content)).format == "PNG"
+    name, content = keeping.bundle_file(shown)
+    assert json.loads(zipfile.ZipFile(io.BytesIO(content)).read("metadata.json"))["robot"]
+    (tmp_path / name).write_bytes(content)
+    assert load_policy(tmp_path / name).scene == load_task("linear-08")
+
+
+def test_the_recording_is_one_html_file_and_moves_nothing_on_the_page(shown):
+    before = shown.player.position
+    name, content = keeping.html_file(shown)
+    assert name.endswith(".html")
+    assert b"__VISER_EMBED_DATA__" in content
+    assert shown.player.position == before
+
+
+@pytest.mark.parametrize(
+    ("export", "text"),
+    [
+        (keeping.csv_file, "no rollout yet"),
+        (keeping.html_file, "no rollout yet"),
+        (keeping.heatmap_file, "no heatmap yet"),
+        (keeping.bundle_file, "no policy yet"),
+    ],
+)
+def test_an_export_of_nothing_says_why(blank, export, text):
+    with pytest.raises(UserError, match=text):
+        export(blank)
+
+
+def test_unsaved_work_of_a_crash_is_offered_and_recovered(tmp_path):
+    crashed = Autosave(tmp_path)
+    crashed.save(load_task("linear-03"))
+    crashed.close(keep=True)  # what the system leaves when a process ends without close
+    studio = Studio(load_task("linear-08"), None, "127.0.0.1", free_port())
+    panel = RecoveryPanel(studio._server.gui, studio.session, tmp_path)
+    panel.draw(studio.session)
+    assert panel._choice.visible
+    panel._choose("Recover")
+    assert studio.session.document.scene == load_task("linear-03")
+    panel.draw(studio.session)
+    assert not panel._choice.visible
+    assert recoverable(tmp_path) == ()
+    panel.close()
+    studio.close()
+
+
+def test_modified_work_is_saved_and_saved_work_is_not_kept(tmp_path):
+    studio = Studio(load_task("linear-08"), None, "127.0.0.1", free_port(), state=tmp_path)
+    loop = threading.Thread(target=studio.run)
+    loop.start()
+    studio.session.post(lambda: studio.session.edit("F_[0:90](A2)"))
+    autosaves = tmp_path / "autosave"
+    assert wait_for(lambda: any(autosaves.rglob("*.stl.toml")))
+    studio.close()
+    loop.join(10)
+    (left,) = recoverable(autosaves)
+    assert left.scene.formula == "F_[0:90](A2)"

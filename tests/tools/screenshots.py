@@ -1,0 +1,100 @@
+"""Pictures of the page for the README, 1440 x 900, written to docs/images.
+
+    python -m tests.tools.screenshots [FOLDER]
+
+Trains on the way; a minute or two.
+"""
+
+import io
+import sys
+import threading
+from pathlib import Path
+
+from PIL import Image
+from playwright.sync_api import Page, sync_playwright
+
+from core.programs import use_disk_cache
+from scenes import load_task
+from studio.app import Studio
+from tests.studio.conftest import BROWSER_FLAGS, free_port
+from tests.tools.browser import find_browser
+
+FOLDER = Path(__file__).parents[2] / "docs" / "images"
+LARGEST = 300_000  # bytes
+WAIT = 240_000  # [ms]
+
+
+def main(folder: Path) -> None:
+    """Serve a page, walk through its states and take a picture of each."""
+    use_disk_cache()
+    folder.mkdir(parents=True, exist_ok=True)
+    studio = Studio(load_task("linear-08"), None, "127.0.0.1", free_port())
+    loop = threading.Thread(target=studio.run)
+    loop.start()
+    try:
+        with sync_playwright() as playwright:
+            executable = find_browser()
+            browser = playwright.chromium.launch(executable_path=executable, args=BROWSER_FLAGS)
+            page = browser.new_page(viewport={"width": 1440, "height": 900})
+            page.set_default_timeout(WAIT)
+            _walk(studio, page, folder)
+            browser.close()
+    finally:
+        studio.close()
+        loop.join(10)
+
+
+def _walk(studio: Studio, page: Page, folder: Path) -> None:
+    session = studio.session
+    session.post(session.show_shipped)
+    page.goto(studio.url)
+    page.wait_for_selector(".tg-verdict")
+    page.wait_for_selector("image.tg-cells")
+    _dismiss_notices(page)
+    _play_until(page, studio, 55)
+    _take(page, folder / "studio.png")
+
+    page.get_by_role("button", name="Train", exact=True).click()
+    while session.training.epoch < 7:
+        page.wait_for_timeout(50)
+    page.wait_for_selector("image.tg-cells")
+    _take(page, folder / "training.png")
+    page.wait_for_function("document.querySelector('.tg-training').textContent.includes('Done')")
+    page.wait_for_selector(".tg-verdict")
+
+    box = page.locator("image.tg-cells").bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.42 * box["width"], box["y"] + 0.55 * box["height"])
+    chosen = session.player.recording
+    page.wait_for_function("document.querySelector('.tg-verdict') !== null")
+    _play_until(page, studio, 70, unless=chosen)
+    _take(page, folder / "clicked.png")
+
+
+def _play_until(page: Page, studio: Studio, step: int, unless=None) -> None:
+    """Wait until a rollout, another than `unless`, has come to a step."""
+    for _ in range(600):
+        player = studio.session.player
+        recording = player.recording
+        if recording is not None and recording is not unless and player.position >= step:
+            return
+        page.wait_for_timeout(50)
+
+
+def _dismiss_notices(page: Page) -> None:
+    """Close the viewer's notices, such as that of software rendering."""
+    for button in page.locator(".mantine-Notification-closeButton").all():
+        button.click()
+
+
+def _take(page: Page, path: Path) -> None:
+    """Keep a screenshot, in a palette of 256 colours if it is large."""
+    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    image.save(path, optimize=True)
+    if path.stat().st_size > LARGEST:
+        image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+    print(f"{path}: {path.stat().st_size / 1000:.0f} kB")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER)
