@@ -126,7 +126,7 @@ def test_from_a_formula_to_rollouts(studio, page):
     second = schedule_shown(page, "t1 = 90, t2 = 40")
     assert first != second
 
-    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="❚❚ Pause").click()
     page.wait_for_selector("button:has-text('Play')")
     standing = robot_at(page)
     page.get_by_role("button", name="Play").click()
