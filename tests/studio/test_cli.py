@@ -79,6 +79,8 @@ def test_the_page(called):
                 "host": "127.0.0.1",
                 "port": 0,
                 "open_browser": False,
+                "load": None,
+                "token": None,
             },
         ),
     ]

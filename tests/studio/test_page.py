@@ -108,7 +108,6 @@ def test_from_a_formula_to_rollouts(studio, page):
     wait_for_text(page, ".tg-tree", "Inv(¬B5, [0, 100])")
 
     train.click()
-    wait_for_text(page, ".tg-training", "Preparing the programs")
     page.wait_for_selector("image.tg-cells", timeout=240_000)
     wait_for_text(page, ".tg-training", "steps / s")
     before = page.locator("image.tg-cells").get_attribute("href")
@@ -127,7 +126,7 @@ def test_from_a_formula_to_rollouts(studio, page):
     second = schedule_shown(page, "t1 = 90, t2 = 40")
     assert first != second
 
-    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="❚❚ Pause").click()
     page.wait_for_selector("button:has-text('Play')")
     standing = robot_at(page)
     page.get_by_role("button", name="Play").click()
