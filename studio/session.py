@@ -133,7 +133,12 @@ class Session:
         self._adopt(policy, origin)
 
     def open(self, scene: Scene) -> None:
-        """Go to another scene."""
+        """Go to another scene.
+
+        Raises:
+            UserError: the page cannot draw its robot; everything stays as it is.
+        """
+        specification = specify(scene)
         self.trainer.forget()
         self.analyst.forget()
         self.gallery.clear()
@@ -143,7 +148,7 @@ class Session:
         self.document = Document(scene)
         self.editor = Editor(self.document)
         self._judged = self.document.revision
-        self.specification = specify(scene)
+        self.specification = specification
 
     def edit(self, text: str) -> None:
         """Take a formula as typed; it is judged when the typing pauses."""

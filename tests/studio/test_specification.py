@@ -3,9 +3,11 @@ from dataclasses import replace
 import pytest
 
 from core.errors import UserError
+from envs import ENVS
 from scenes import load_task
-from studio.specification import edited, specify, with_text
+from studio.specification import ON_PAGE, edited, specify, with_text
 from studio.tasks import build_task
+from studio.views.bodies import BODY
 
 
 def retyped(specification, text):
@@ -66,3 +68,12 @@ def test_a_change_of_shape_brings_a_new_task(right):
     region = replace(right.scene.regions[0], center=(0.0, 1.0))
     moved = replace(right.scene, regions=(region, *right.scene.regions[1:]))
     assert edited(right, moved).task is not right.task
+
+
+def test_a_robot_that_the_page_cannot_draw_is_refused():
+    with pytest.raises(UserError, match=r"does not draw the robot 'panda' yet\. Allowed: linear"):
+        specify(load_task("panda-01"))
+
+
+def test_every_robot_on_the_page_has_a_body():
+    assert set(BODY) == set(ON_PAGE) < set(ENVS)
