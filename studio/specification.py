@@ -8,7 +8,6 @@ from core.task import Task
 from scenes import Scene
 from studio.tasks import build_task
 
-
 ON_PAGE = ("linear", "unicycle")
 """Robots that the page can draw; the others train and are evaluated without it."""
 
