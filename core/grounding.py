@@ -31,7 +31,6 @@ MAX_COMPOUNDS = 8
 MAX_LITERALS = 4
 MAX_DOORS = 3
 COMBINATIONS = 2**MAX_DOORS
-MAX_GUARDS = MAX_VARIABLES
 MAX_REQUIREMENTS = 4
 NEVER = 1e6
 """Start of a window that never opens [steps]."""

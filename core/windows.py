@@ -74,12 +74,9 @@ def leg_slack(
     `reserve` * distance / speed + lag steps. Where the previous window is still open when the
     next one starts, the regions must meet.
     """
-    distance, available, overlap = _legs(world, problem, windows, position)
-    needed = jnp.where(distance > 0, reserve * distance / robot.speed + robot.lag, 0.0)
-    live = jnp.arange(windows.start.shape[0]) < windows.count
-    slack = jnp.where(live, available - needed, 0.0)
-    apart = live & overlap & (distance > APART * robot.length)
-    short = jax.nn.relu(-slack).sum() + UNREACHABLE * apart.sum()
+    legs = _legs(robot, world, problem, windows, position, reserve)
+    slack = jnp.where(legs.live, legs.available - legs.needed, 0.0)
+    short = jax.nn.relu(-slack).sum() + UNREACHABLE * legs.conflict.sum()
     requirements = problem.formula.requirements
     agrees = ((requirements.guard < 0) | (requirements.guard == windows.schedule)).all(-1)
     lacking = jax.nn.relu(requirements.minimum - requirements.weight @ windows.schedule)
@@ -100,19 +97,31 @@ def shortest_leg(
     robot: Robot, world: World, problem: Problem, windows: Windows, position: Array, reserve: float
 ) -> ShortLeg:
     """The leg that decides whether a schedule leaves time to travel; see `leg_slack`."""
-    distance, available, overlap = _legs(world, problem, windows, position)
-    needed = jnp.where(distance > 0, reserve * distance / robot.speed + robot.lag, 0.0)
-    live = jnp.arange(windows.start.shape[0]) < windows.count
-    conflict = live & overlap & (distance > APART * robot.length)
-    worst = jnp.where(live, needed - available + UNREACHABLE * conflict, -jnp.inf).argmax()
+    legs = _legs(robot, world, problem, windows, position, reserve)
+    lacking = legs.needed - legs.available + UNREACHABLE * legs.conflict
+    worst = jnp.where(legs.live, lacking, -jnp.inf).argmax()
     source = jnp.where(worst > 0, windows.order[jnp.maximum(worst - 1, 0)], -1)
-    return ShortLeg(source, windows.order[worst], needed[worst], available[worst], conflict[worst])
+    return ShortLeg(
+        source,
+        windows.order[worst],
+        legs.needed[worst],
+        legs.available[worst],
+        legs.conflict[worst],
+    )
+
+
+class _Legs(NamedTuple):
+    """The legs of a schedule, in order of start."""
+
+    live: Array  # [G] whether there is such a leg
+    needed: Array  # [G] steps with the reserve
+    available: Array  # [G] steps
+    conflict: Array  # [G] whether both ends are wanted at once though they do not meet
 
 
 def _legs(
-    world: World, problem: Problem, windows: Windows, position: Array
-) -> tuple[Array, Array, Array]:
-    """Distance [m], steps available and whether the previous window overlaps, per leg [G]."""
+    robot: Robot, world: World, problem: Problem, windows: Windows, position: Array, reserve: float
+) -> _Legs:
     previous = jnp.concatenate([windows.order[:1], windows.order[:-1]])
     previous_start = jnp.concatenate([jnp.zeros(1), windows.start[:-1]])
     previous_end = jnp.concatenate([jnp.zeros(1), windows.end[:-1]])
@@ -123,7 +132,11 @@ def _legs(
     )
     distance = problem.legs[doors, previous, windows.order]
     first, _ = world.field(problem.world, field_index(windows.order[0], doors[0]), position)
-    return distance.at[0].set(first), windows.start - depart, overlap
+    distance = distance.at[0].set(first)
+    live = jnp.arange(windows.start.shape[0]) < windows.count
+    needed = jnp.where(distance > 0, reserve * distance / robot.speed + robot.lag, 0.0)
+    conflict = live & overlap & (distance > APART * robot.length)
+    return _Legs(live, needed, windows.start - depart, conflict)
 
 
 def field_index(subgoal: Array, doors: Array) -> Array:

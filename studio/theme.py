@@ -17,8 +17,6 @@ KIND_COLOR = {Kind.REACH: "#1e6091", Kind.STAY: "#0b7285", Kind.INVARIANT: "#8a4
 KIND_FILL = {Kind.REACH: "#dcecf8", Kind.STAY: "#d9f2f3", Kind.INVARIANT: "#f8e9dc"}
 """Its background."""
 
-KIND_WORD = {Kind.REACH: "reach", Kind.STAY: "stay", Kind.INVARIANT: "keep"}
-
 STYLE = """
 <style>
 .tg { padding: 0 0.75em 0.6em; font-size: 0.875em; line-height: 1.45;

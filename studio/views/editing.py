@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from functools import partial
 
+import numpy as np
 import viser
 
 from core.decompose import Decomposition
@@ -83,7 +84,11 @@ class EditingView:
             self._scene.remove_by_name(name)
             return
         self._scene.add_line_segments(
-            name, outline(region, height), color, thickness=width, thickness_units="screen"
+            name,
+            outline(region, height).astype(np.float32),
+            color,
+            thickness=width,
+            thickness_units="screen",
         )
 
 

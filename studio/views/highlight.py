@@ -1,12 +1,11 @@
 """Regions pointed out: a bright outline around each."""
 
-import math
-
 import numpy as np
 import viser
 
 from scenes import Region, Scene
 from studio.session import Session
+from studio.views.outlines import outline
 from studio.views.regions import HEIGHT
 from studio.views.roles import roles
 from studio.views.solids import add_solid
@@ -16,7 +15,6 @@ LIFT, THICKNESS = 0.04, 0.1
 """Of the outline of a planar region: over its body; and its width [m]."""
 GROWTH, OPACITY = 1.06, 0.45
 """Of the shell around a region in space."""
-CORNERS = 48
 
 
 class HighlightView:
@@ -43,21 +41,9 @@ class HighlightView:
     def _outline(self, name: str, region: Region, height: float) -> None:
         scene = self._server.scene
         if region.dimension == 2:
-            loop = outline(region, height)
-            segments = np.stack([loop, np.roll(loop, -1, axis=0)], axis=1).astype(np.float32)
+            segments = outline(region, height).astype(np.float32)
             scene.add_line_segments(name, segments, BRIGHT, thickness=THICKNESS)
             return
         size = tuple(GROWTH * length for length in region.size)
         shell = Region(region.name, region.kind, region.center, size, region.color)
         add_solid(scene, name, shell, BRIGHT, height, OPACITY)
-
-
-def outline(region: Region, height: float) -> np.ndarray:
-    """Corners [N, 3] of a planar region's boundary at a height [m]."""
-    center = np.array([*region.center, height])
-    if region.kind == "circle":
-        angle = np.linspace(0, 2 * math.pi, CORNERS, endpoint=False)
-        ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(CORNERS)], axis=1)
-        return center + region.size[0] * ring
-    half = np.array([*region.size[:2], 0.0])
-    return center + half * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])

@@ -27,7 +27,7 @@ def outline(region: Region, height: float) -> np.ndarray:
         case _:
             ring, up = _circle(size[0]), np.array([0.0, 0.0, size[1]])
             segments = np.concatenate([ring + up, ring - up])
-    return (segments + center).astype(np.float32)
+    return segments + center
 
 
 def _edges(half: tuple[float, float, float]) -> np.ndarray:

@@ -1,11 +1,9 @@
-import numpy as np
 import pytest
 
 from core.monitor import LeafStatus
 from studio.figures.leaves import joint_status, leaf_style
 from studio.figures.tree import leaves, tree_svg
 from studio.panels.tree import leaf_regions
-from studio.views.highlight import outline
 from tests.studio.test_recording import GOOD, recorded
 
 PENDING, HOLDING, MET, VIOLATED = (
@@ -50,12 +48,3 @@ def test_a_leaf_names_its_regions(linear_task):
     assert found == [("A1",), ("A2",), ("A3",), ("B1", "B2", "B3", "B4", "B5")]
     for nonsense in ("", "x", "99", "-1", "1;2", "99999999"):
         assert leaf_regions(decomposition, nonsense) == ()
-
-
-def test_outlines_lie_on_the_boundary():
-    from scenes import Region
-
-    circle = Region("A", "circle", (1.0, 2.0), (0.5,))
-    np.testing.assert_allclose(np.hypot(*(outline(circle, 0.1)[:, :2] - (1, 2)).T), 0.5)
-    corners = outline(Region("B", "rectangle", (1.0, 2.0), (0.5, 0.25)), 0.1)
-    assert {tuple(c) for c in corners} == {(x, y, 0.1) for x in (0.5, 1.5) for y in (1.75, 2.25)}

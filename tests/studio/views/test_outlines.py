@@ -1,4 +1,5 @@
 import jax.numpy as jnp
+import numpy as np
 import pytest
 
 from scenes import Region
@@ -25,3 +26,10 @@ def test_an_outline_lies_on_the_boundary(region):
             assert point[2] == pytest.approx(0.1)
         margin = margins(arrays, jnp.asarray(point[: region.dimension]))
         assert float(margin[0]) == pytest.approx(0.0, abs=1e-5)
+
+
+def test_planar_outlines_exactly():
+    circle = outline(Region("A", "circle", (1.0, 2.0), (0.5,)), 0.1).reshape(-1, 3)
+    np.testing.assert_allclose(np.hypot(*(circle[:, :2] - (1, 2)).T), 0.5)
+    corners = outline(Region("B", "rectangle", (1.0, 2.0), (0.5, 0.25)), 0.1).reshape(-1, 3)
+    assert {tuple(c) for c in corners} == {(x, y, 0.1) for x in (0.5, 1.5) for y in (1.75, 2.25)}
