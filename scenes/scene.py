@@ -31,6 +31,9 @@ FORMAT = 1
 WORKSPACE_DIMENSION = MappingProxyType({"linear": 2, "unicycle": 2, "panda": 3, "quadrotor": 3})
 """Dimension of the space in which each robot's regions live (a test holds it equal to `ENVS`)."""
 
+DEMO = "demo"
+"""Name of a robot's demo, beside the numbers of the paper's tasks."""
+
 LARGEST_FILE = 1_000_000  # bytes
 LONGEST_FORMULA = 10_000  # characters, as in the parser
 LARGEST_HORIZON = 10_000  # steps
@@ -132,13 +135,17 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 def task_names(robot: str | None = None) -> list[str]:
-    """Names of the shipped tasks, such as `linear-08`, sorted; of one robot if given."""
+    """Names of the shipped tasks, such as `linear-08`; of one robot if given.
+
+    Of each robot the demo comes first, then the paper's tasks in their order.
+    """
     if robot is not None and robot not in WORKSPACE_DIMENSION:
         raise SceneError(f"robot: unknown {robot!r}. {allowed(robot, WORKSPACE_DIMENSION)}")
     names = []
     for folder in [robot] if robot else sorted(WORKSPACE_DIMENSION):
-        files = sorted(entry.name for entry in resources.files("scenes").joinpath(folder).iterdir())
-        names += [f"{folder}-{file[:-5]}" for file in files if file.endswith(".toml")]
+        files = [entry.name for entry in resources.files("scenes").joinpath(folder).iterdir()]
+        tasks = sorted(file[:-5] for file in files if file.endswith(".toml"))
+        names += [f"{folder}-{task}" for task in sorted(tasks, key=DEMO.__ne__)]
     return names
 
 

@@ -4,12 +4,10 @@ from functools import partial
 
 import viser
 
-from envs import ENVS
 from studio.editing.editor import SELECT
 from studio.session import Session
+from studio.views.bodies import BODIES
 from studio.views.pointer import Dragged, on_level_drag
-
-FLOOR, GRID = (247, 248, 250), (226, 229, 234)
 
 
 class FloorView:
@@ -29,14 +27,15 @@ class FloorView:
             return
         self._drawn = current
         robot, drawing = current
-        (left, right), (front, back) = ENVS[robot].workspace[:2]
+        stage = BODIES[robot].stage
+        (left, right), (front, back) = stage.floor
         width, depth = right - left, back - front
         middle = ((left + right) / 2, (front + back) / 2)
         floor = self._scene.add_box(
             "/floor",
-            FLOOR,
-            (width, depth, 0.1),
-            position=(*middle, -0.051),
+            stage.color,
+            (width, depth, stage.thickness),
+            position=(*middle, -stage.thickness / 2 - 0.001),
             cast_shadow=False,
         )
         draw = drawing_drag(session)
@@ -48,10 +47,10 @@ class FloorView:
             "/grid",
             width,
             depth,
-            cell_size=1.0,
-            section_size=5.0,
-            cell_color=GRID,
-            section_color=GRID,
+            cell_size=stage.cell,
+            section_size=5 * stage.cell,
+            cell_color=stage.grid,
+            section_color=stage.grid,
             shadow_opacity=0.0,
             position=(*middle, 0.002),
         )
