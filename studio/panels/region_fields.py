@@ -45,7 +45,7 @@ class RegionFields:
             3: gui.add_vector3("Center", (0.0, 0.0, 0.0), step=FINE, visible=False),
         }
         self._sizes = {
-            1: gui.add_number("Radius", 1.0, min=FINE, step=FINE, visible=False),
+            1: gui.add_number("Radius", 1.0, min=0.001, step=FINE, visible=False),
             2: gui.add_vector2("Half size", (1.0, 1.0), step=FINE, visible=False),
             3: gui.add_vector3("Half size", (1.0, 1.0, 1.0), step=FINE, visible=False),
         }

@@ -65,19 +65,19 @@ class EditingView:
         height = ABOVE + _body_height(session)
         self._line("/edit/outline", region, height, BRAND, 4.0)
         unit = session.editor.unit
-        grips = [] if region is None else _grips(region, height, unit)
-        kinds = (unit, region is not None and region.dimension, [grip.arrow for grip in grips])
+        shown = [] if region is None else grips(region, height, unit)
+        kinds = (unit, region is not None and region.dimension, [grip.arrow for grip in shown])
         if kinds != self._kinds:
             self._kinds = kinds
-            self._make_grips(session, grips, planar=region is None or region.dimension == 2)
-        for node, grip in zip(self._grips, grips, strict=True):
+            self._make_grips(session, shown, planar=region is None or region.dimension == 2)
+        for node, grip in zip(self._grips, shown, strict=True):
             node.position = grip.position
 
-    def _make_grips(self, session: Session, grips: Sequence[Grip], *, planar: bool) -> None:
+    def _make_grips(self, session: Session, wanted: Sequence[Grip], *, planar: bool) -> None:
         for node in self._grips:
             node.remove()
         self._grips = []
-        for index, grip in enumerate(grips):
+        for index, grip in enumerate(wanted):
             if grip.arrow is not None:
                 node = self._add_arrow(f"/edit/arrow{grip.arrow}", grip, session.editor.unit)
                 on_axis_drag(node, partial(_move, session), grip.arrow)
@@ -129,7 +129,7 @@ class EditingView:
         )
 
 
-def _grips(region: Region, height: float, unit: float) -> list[Grip]:
+def grips(region: Region, height: float, unit: float) -> list[Grip]:
     """Dots of a region; in space, also arrows where they are out of the region and of the dots."""
     dots = [Grip(_raised(point, height)) for point in handles(region)]
     if region.dimension == 2:

@@ -42,6 +42,12 @@ def drum(radius: float, start, end, edge: float = 0.012) -> np.ndarray:
     return np.concatenate(points) @ turn.T + start
 
 
+def capsule(radius: float, start, end) -> np.ndarray:
+    """Points [n, 3] whose hull is a cylinder with round ends about two points [3] in [m]."""
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=radius).vertices
+    return np.concatenate([ball + np.asarray(start), ball + np.asarray(end)])
+
+
 def block(half, center=(0, 0, 0), edge: float = 0.006) -> np.ndarray:
     """Points [n, 3] whose hull is a box with rounded edges, of half extents [3] in [m]."""
     corner = trimesh.creation.icosphere(subdivisions=2, radius=edge).vertices
