@@ -48,7 +48,7 @@ from studio.views.regions import RegionsView
 from studio.views.robot import RobotView
 from studio.views.start import StartView
 
-FIRST_TASK = "linear-08"
+FIRST_TASK = "panda-demo"
 FRAME = 1 / 25
 """Least time between two drawings [s]."""
 

@@ -6,8 +6,10 @@ import viser
 
 from studio.editing.editor import SELECT
 from studio.session import Session
-from studio.views.bodies import BODIES
+from studio.views.bodies import BODIES, Stage
 from studio.views.pointer import Dragged, on_level_drag
+
+RIM_WIDTH, RIM_HEIGHT = 0.16, 0.22  # [m]
 
 
 class FloorView:
@@ -42,6 +44,7 @@ class FloorView:
         on_level_drag(floor, draw, height=0.0, modifier="shift")
         if drawing:
             on_level_drag(floor, draw, height=0.0)
+        self._add_rim(stage)
         # Not below the floor: the grid would pass on clicks that hit it, standing upright.
         self._scene.add_grid(
             "/grid",
@@ -54,6 +57,29 @@ class FloorView:
             shadow_opacity=0.0,
             position=(*middle, 0.002),
         )
+
+    def _add_rim(self, stage: Stage) -> None:
+        """Four beams on the floor's edge."""
+        self._scene.remove_by_name("/rim")
+        if stage.rim is None:
+            return
+        (left, right), (front, back) = stage.floor
+        width, depth, half = right - left, back - front, RIM_WIDTH / 2
+        x, y = (left + right) / 2, (front + back) / 2
+        for index, (size, place) in enumerate(
+            (
+                ((width, RIM_WIDTH), (x, front + half)),
+                ((width, RIM_WIDTH), (x, back - half)),
+                ((RIM_WIDTH, depth - 2 * RIM_WIDTH), (left + half, y)),
+                ((RIM_WIDTH, depth - 2 * RIM_WIDTH), (right - half, y)),
+            )
+        ):
+            self._scene.add_box(
+                f"/rim/beam{index}",
+                stage.rim,
+                (*size, RIM_HEIGHT),
+                position=(*place, RIM_HEIGHT / 2),
+            )
 
 
 def drawing_drag(session: Session) -> Dragged:

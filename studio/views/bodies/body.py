@@ -52,6 +52,7 @@ class Stage:
         color: of the floor.
         grid: colour of its lines.
         thickness: of the floor in [m].
+        rim: colour of a low wall on the floor's edge; None for none.
     """
 
     floor: tuple[tuple[float, float], tuple[float, float]]
@@ -60,6 +61,7 @@ class Stage:
     color: Color = FLOOR
     grid: Color = GRID
     thickness: float = 0.1
+    rim: Color | None = None
 
 
 ARENA = ((-5.0, 5.0), (-5.0, 5.0))

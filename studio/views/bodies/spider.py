@@ -23,7 +23,11 @@ JOINTS = slice(7, 15)
 class Spider:
     """Parts are the model's bodies."""
 
-    stage = Stage(((-4.0, 4.0), (-4.0, 4.0)), Camera((0.0, -10.4, 12.6), (0.0, -1.5, 0.0)))
+    stage = Stage(
+        ((-3.3, 3.3), (-3.3, 3.3)),
+        Camera((0.0, -8.6, 9.6), (0.0, -1.2, 0.0)),
+        rim=(176, 124, 82),
+    )
 
     def build(self, scene: viser.SceneApi, node: str) -> Mapping[str, viser.SceneNodeHandle]:
         """A frame with solids for each body of the model."""
