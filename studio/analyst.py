@@ -22,7 +22,7 @@ from core.networks import Parameters
 from core.programs import EvaluationPrograms, evaluation_programs
 from core.protocols import Array
 from core.task import Task
-from studio.recording import Recording, record
+from studio.playing.recording import Recording, record
 from studio.worker import Training
 
 ROLLOUTS = 20

@@ -19,7 +19,8 @@ from core.errors import UserError
 from core.training import TrainingConfig
 from scenes import Scene, load_scene, load_task
 from studio.commands import add_commands
-from studio.keeping import load_policy
+from studio.files.keeping import load_policy
+from studio.files.projects import state_folder
 from studio.panels.formula import FormulaPanel
 from studio.panels.ghosts import GhostsPanel
 from studio.panels.heatmap import HeatmapPanel
@@ -32,9 +33,8 @@ from studio.panels.task import TaskPanel
 from studio.panels.tour import TourPanel, add_page_options, set_theme
 from studio.panels.training import TrainingPanel
 from studio.panels.tree import TreePanel
-from studio.playback import add_playback_commands
-from studio.projects import state_folder
-from studio.security import chosen_token, start_server
+from studio.playing.playback import add_playback_commands
+from studio.server.security import chosen_token, start_server
 from studio.session import MakeConfig, Session
 from studio.theme import STYLE
 from studio.views.editing import EditingView

@@ -137,15 +137,15 @@ def _action(options: Options) -> Callable[[], int]:
 def _run(action: str, options: Options) -> int:
     if action == "page":
         return _serve(options)
-    from studio import headless  # noqa: PLC0415
+    from studio.headless import commands  # noqa: PLC0415
 
     if action == "list":
-        return headless.list_tasks()
+        return commands.list_tasks()
     _use_cache(options)
     actions = {
-        "evaluate": headless.evaluate,
-        "resume": headless.resume,
-        "train_only": headless.train_only,
+        "evaluate": commands.evaluate,
+        "resume": commands.resume,
+        "train_only": commands.train_only,
     }
     return actions[action](options)
 

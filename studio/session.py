@@ -15,16 +15,16 @@ from core.errors import UserError
 from core.training import TrainingConfig
 from scenes import Scene, load_task
 from studio.analyst import Analyst
-from studio.bundle import Policy
-from studio.document import Document
-from studio.editor import Editor
-from studio.gallery import Gallery
-from studio.meaning import differences, stale_text
-from studio.player import Player
-from studio.recording import Recording
+from studio.editing.document import Document
+from studio.editing.editor import Editor
+from studio.editing.meaning import differences, stale_text
+from studio.editing.specification import Specification, edited, specify
+from studio.files.bundle import Policy
+from studio.files.shipped import shipped_policy
+from studio.playing.gallery import Gallery
+from studio.playing.player import Player
+from studio.playing.recording import Recording
 from studio.settings import Settings, method_of, mode_of, prolonged
-from studio.shipped import shipped_policy
-from studio.specification import Specification, edited, specify
 from studio.worker import Stage, Trainer, Training
 
 DEBOUNCE = 0.35

@@ -12,7 +12,7 @@ from studio.figures import svg
 from studio.figures.colors import data_url
 from studio.figures.playhead import playhead
 from studio.figures.ticks import ticks
-from studio.recording import Recording
+from studio.playing.recording import Recording
 from studio.theme import BAD, MUTED
 
 WIDTH, LEFT, RIGHT, ROW, GAP = 560, 206, 46, 15, 2  # [px]

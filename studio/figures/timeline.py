@@ -8,7 +8,7 @@ from core.decompose import Kind
 from studio.figures import svg
 from studio.figures.playhead import playhead
 from studio.figures.ticks import ticks
-from studio.recording import Outcome, Recording
+from studio.playing.recording import Outcome, Recording
 from studio.theme import BAD, GOOD, MUTED
 
 WIDTH, LEFT, RIGHT, ROW, BAR = 560, 96, 14, 17, 9  # [px]

@@ -5,11 +5,11 @@ from functools import partial
 import viser
 
 from core.stl import MAX_LENGTH, horizon, to_math
+from studio.editing.specification import Specification
 from studio.figures.svg import escape
 from studio.panels.html import Html, note
 from studio.panels.palette import PalettePanel
 from studio.session import Session
-from studio.specification import Specification
 
 
 class FormulaPanel:

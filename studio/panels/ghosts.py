@@ -5,11 +5,11 @@ from functools import partial
 import viser
 
 from studio.analyst import ROLLOUTS
-from studio.clicks import ClickField
 from studio.figures.svg import escape
-from studio.gallery import Gallery
 from studio.panels.html import Html
-from studio.recording import Recording
+from studio.playing.gallery import Gallery
+from studio.playing.recording import Recording
+from studio.server.clicks import ClickField
 from studio.session import Session
 from studio.theme import BAD, GOOD
 

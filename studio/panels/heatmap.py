@@ -9,12 +9,12 @@ import viser
 from core.decompose import Variable
 from core.legs import leg_text
 from studio.analyst import Picture
-from studio.clicks import ClickField
 from studio.figures.curve import curve_svg
 from studio.figures.heatmap import TOLERANCE, Drawing, Mark, heatmap_svg
 from studio.figures.svg import escape
 from studio.panels.html import Html, note
 from studio.panels.map_options import MapOptions
+from studio.server.clicks import ClickField
 from studio.session import Session
 
 CHOICE, SHOWN = "#ffffff", "#ff5d2e"

@@ -6,12 +6,12 @@ from functools import partial
 import viser
 
 from core.errors import UserError
-from studio import keeping
-from studio.archives import read_policy_zip
-from studio.filenames import safe_name
-from studio.keeping import Export
+from studio.files import keeping
+from studio.files.archives import read_policy_zip
+from studio.files.filenames import safe_name
+from studio.files.keeping import Export
+from studio.files.projects import read_upload
 from studio.panels.html import Html, note
-from studio.projects import read_upload
 from studio.session import Session
 
 ROLLOUT: dict[str, Export] = {

@@ -4,11 +4,11 @@ from functools import partial
 
 import viser
 
-from studio.clicks import ClickField
 from studio.figures.monitor import monitor_html
 from studio.figures.playhead import playhead_style
 from studio.panels.html import Html
-from studio.recording import Recording
+from studio.playing.recording import Recording
+from studio.server.clicks import ClickField
 from studio.session import Session
 
 EMPTY = '<div class="tg tg-dim">Shows which subformula held when, once a rollout is there.</div>'

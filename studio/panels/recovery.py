@@ -8,8 +8,8 @@ import viser
 
 from core.errors import UserError
 from studio.figures.svg import escape
+from studio.files.projects import Autosave, ProjectError, Recoverable, discard, recoverable
 from studio.panels.html import Html, note
-from studio.projects import Autosave, ProjectError, Recoverable, discard, recoverable
 from studio.session import Session
 
 PERIOD = 2.0

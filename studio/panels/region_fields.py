@@ -9,7 +9,7 @@ import viser
 
 from scenes import Region
 from scenes.regions import SHAPES
-from studio.editor import INITIAL, TOOLS
+from studio.editing.editor import INITIAL, TOOLS
 from studio.session import Session
 from studio.views.regions import region_look
 from studio.views.roles import roles

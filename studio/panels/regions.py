@@ -5,11 +5,11 @@ from functools import partial
 import viser
 
 from scenes import Region
-from studio.clicks import ClickField
-from studio.editor import INITIAL, SELECT, TOOLS
+from studio.editing.editor import INITIAL, SELECT, TOOLS
 from studio.figures.svg import escape
 from studio.panels.html import Html
 from studio.panels.region_fields import RegionFields
+from studio.server.clicks import ClickField
 from studio.session import Session
 from studio.views.regions import region_look
 from studio.views.roles import roles

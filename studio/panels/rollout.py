@@ -4,12 +4,12 @@ from functools import partial
 
 import viser
 
-from studio.clicks import ClickField
 from studio.figures.svg import escape
 from studio.figures.timeline import timeline_svg
 from studio.panels.html import Html, note
-from studio.player import SPEEDS, Player
-from studio.recording import Recording
+from studio.playing.player import SPEEDS, Player
+from studio.playing.recording import Recording
+from studio.server.clicks import ClickField
 from studio.session import Session
 from studio.theme import BAD, GOOD
 

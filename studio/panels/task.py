@@ -6,10 +6,10 @@ import viser
 
 from envs import ENVS
 from scenes import Scene, task_names
+from studio.editing.specification import ON_PAGE
 from studio.figures.svg import escape
 from studio.panels.html import Html
 from studio.session import Session
-from studio.specification import ON_PAGE
 
 
 class TaskPanel:

@@ -7,7 +7,7 @@ import numpy as np
 import viser
 from viser import uplot
 
-from studio.meaning import stale_text
+from studio.editing.meaning import stale_text
 from studio.panels.html import Html, note
 from studio.panels.progress import share_done, status_html
 from studio.session import Session

@@ -6,12 +6,12 @@ import viser
 
 from core.decompose import Decomposition
 from core.stl import atom_names
-from studio.clicks import ClickField
 from studio.figures.leaves import leaf_style
 from studio.figures.svg import escape
 from studio.figures.tables import abbreviation_list, task_table
 from studio.figures.tree import tree_svg
 from studio.panels.html import Html
+from studio.server.clicks import ClickField
 from studio.session import Session
 
 

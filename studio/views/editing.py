@@ -8,8 +8,8 @@ import viser
 
 from core.decompose import Decomposition
 from scenes import Region
+from studio.editing.shapes import handles
 from studio.session import Session
-from studio.shapes import handles
 from studio.theme import BRAND
 from studio.views.outlines import outline
 from studio.views.pointer import on_free_drag, on_level_drag

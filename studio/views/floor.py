@@ -5,7 +5,7 @@ from functools import partial
 import viser
 
 from envs import ENVS
-from studio.editor import SELECT
+from studio.editing.editor import SELECT
 from studio.session import Session
 from studio.views.pointer import Dragged, on_level_drag
 

@@ -3,8 +3,8 @@
 import numpy as np
 import viser
 
-from studio.gallery import Gallery, Ghost
-from studio.recording import Recording
+from studio.playing.gallery import Gallery, Ghost
+from studio.playing.recording import Recording
 from studio.session import Session
 from studio.theme import BAD, GOOD
 from studio.views.robot import interpolated, segments

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from studio.editor import Phase, Point
+from studio.editing.editor import Phase, Point
 
 Dragged = Callable[[Phase, Point, Point], None]
 """Takes the phase, where the drag began and where it is [m]."""

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import viser
 
 from scenes import Region
-from studio.editor import INITIAL, SELECT, Phase, Point
+from studio.editing.editor import INITIAL, SELECT, Phase, Point
 from studio.session import Session
 from studio.views.floor import drawing_drag
 from studio.views.pointer import on_level_drag

@@ -6,7 +6,7 @@ import numpy as np
 import viser
 
 from studio.analyst import initial_state
-from studio.recording import Recording
+from studio.playing.recording import Recording
 from studio.session import Session
 from studio.theme import TRAIL
 from studio.views.bodies import BODY, HEADING

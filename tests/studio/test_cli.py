@@ -11,8 +11,9 @@ import pytest
 from core.algorithm import MethodName, ModeName
 from core.errors import UserError
 from scenes import task_names
-from studio import cli, headless
+from studio import cli
 from studio.cli import Options, main
+from studio.headless import commands
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,7 +24,7 @@ def called(monkeypatch):
     calls = []
     for name in ("train_only", "resume", "evaluate"):
         monkeypatch.setattr(
-            headless, name, lambda options, name=name: calls.append((name, options)) or 0
+            commands, name, lambda options, name=name: calls.append((name, options)) or 0
         )
     monkeypatch.setattr(cli, "_use_cache", lambda options: calls.append(options.no_cache))
     page = ModuleType("studio.app")
@@ -133,7 +134,7 @@ def test_failures_have_a_status_and_no_traceback(monkeypatch, capsys, error, sta
     def fail(options):
         raise error
 
-    monkeypatch.setattr(headless, "evaluate", fail)
+    monkeypatch.setattr(commands, "evaluate", fail)
     assert main(["--evaluate", "x", "--no-cache"]) == status
     assert capsys.readouterr().err == message
 

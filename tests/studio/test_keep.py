@@ -11,11 +11,11 @@ from PIL import Image
 
 from core.errors import UserError
 from scenes import load_task, parse_scene
-from studio import keeping
 from studio.app import Studio
-from studio.keeping import load_policy
+from studio.files import keeping
+from studio.files.keeping import load_policy
+from studio.files.projects import Autosave, recoverable
 from studio.panels.recovery import RecoveryPanel
-from studio.projects import Autosave, recoverable
 from studio.session import Session
 from tests.studio.conftest import free_port
 from tests.studio.waiting import wait_for

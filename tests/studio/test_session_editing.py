@@ -7,7 +7,7 @@ import pytest
 from core.errors import UserError
 from core.training import TrainingConfig
 from scenes import load_task
-from studio.meaning import stale_text
+from studio.editing.meaning import stale_text
 from studio.session import DEBOUNCE, Session
 
 

@@ -12,10 +12,10 @@ from pathlib import Path
 from core.programs import use_disk_cache
 from core.training import final_evaluation, train
 from scenes import load_task
-from studio.bundle import Policy
-from studio.run_config import make_config
-from studio.runs import best_parameters
-from studio.shipped import SHIPPED, save_shipped
+from studio.files.bundle import Policy
+from studio.files.shipped import SHIPPED, save_shipped
+from studio.headless.config import make_config
+from studio.headless.run import best_parameters
 from studio.tasks import build_task
 
 FOLDER = Path(__file__).parents[2] / "static" / "policies"

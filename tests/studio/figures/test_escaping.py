@@ -5,6 +5,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
+from studio.editing.specification import specify
 from studio.figures.monitor import monitor_html
 from studio.figures.tables import abbreviation_list, task_table
 from studio.figures.timeline import timeline_svg
@@ -13,8 +14,7 @@ from studio.panels.formula import _reading
 from studio.panels.html import note
 from studio.panels.rollout import verdict_html
 from studio.panels.task import _about
-from studio.recording import record
-from studio.specification import specify
+from studio.playing.recording import record
 from tests.studio.conftest import EVIL
 
 ACTIVE = {"monitor", "tree"}

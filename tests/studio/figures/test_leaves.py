@@ -4,7 +4,7 @@ from core.monitor import LeafStatus
 from studio.figures.leaves import joint_status, leaf_style
 from studio.figures.tree import leaves, tree_svg
 from studio.panels.tree import leaf_regions
-from tests.studio.test_recording import GOOD, recorded
+from tests.studio.playing.test_recording import GOOD, recorded
 
 PENDING, HOLDING, MET, VIOLATED = (
     LeafStatus.PENDING,

@@ -7,7 +7,7 @@ from core.monitor import monitor_rows
 from core.stl import parse
 from studio.figures.monitor import UNDECIDED, monitor_html, pixels
 from studio.figures.playhead import playhead_style
-from tests.studio.test_recording import GOOD, recorded
+from tests.studio.playing.test_recording import GOOD, recorded
 
 
 def row_of(text, margins, index):

@@ -5,7 +5,7 @@ import pytest
 
 from core.decompose import Kind
 from studio.figures.timeline import grouped, runs, timeline_svg
-from studio.recording import Outcome, Recording
+from studio.playing.recording import Outcome, Recording
 
 
 def outcome(margin, start, end, kind=Kind.STAY, predicate="A"):

@@ -3,8 +3,8 @@ from types import SimpleNamespace
 import pytest
 
 from scenes import load_task
-from studio.document import Document
-from studio.editor import INITIAL, Editor
+from studio.editing.document import Document
+from studio.editing.editor import INITIAL, Editor
 from studio.panels.regions import press
 
 

@@ -1,0 +1,1 @@
+"""The scene that is being edited: pointer, selection, undo, and its formula judged."""

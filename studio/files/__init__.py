@@ -1,0 +1,1 @@
+"""Files that a person keeps or brings: projects, bundles, rollouts, pictures."""

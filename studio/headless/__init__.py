@@ -1,0 +1,1 @@
+"""Training and evaluation without the page, in directories from which they go on."""

@@ -1,0 +1,1 @@
+"""Rollouts on screen: recordings, the playhead, and those kept beside it."""

@@ -1,0 +1,79 @@
+from dataclasses import replace
+
+import pytest
+
+from core.errors import UserError
+from envs import ENVS
+from scenes import load_task
+from studio.editing.specification import ON_PAGE, edited, specify, with_text
+from studio.tasks import build_task
+from studio.views.bodies import BODY
+
+
+def retyped(specification, text):
+    return edited(specification, with_text(specification.scene, text))
+
+
+@pytest.fixture(scope="module")
+def right():
+    return specify(load_task("linear-08"))
+
+
+def test_the_scenes_own_formula_is_right(right):
+    assert right.error == ""
+    assert right.text == right.scene.formula
+    assert [variable.name for variable in right.decomposition.variables] == ["t1", "t2", "t3"]
+
+
+@pytest.mark.parametrize(
+    "text", ["F_[0:90](A7)", "F_[0:90](A1", "G_[0:5](F_[0:3](A1)|G_[0:2](A2))", "F_[0:9](A1 & B1)"]
+)
+def test_a_wrong_formula_keeps_the_last_right_one(right, text):
+    wrong = retyped(right, text)
+    with pytest.raises(UserError) as error:
+        build_task(right.scene, text)
+    assert wrong.error == str(error.value)
+    assert wrong.task is right.task
+    assert wrong.text == text
+
+
+def test_the_error_carries_the_caret(right):
+    assert retyped(right, "F_[0:90](A7)").error.endswith("F_[0:90](A7)\n         ^")
+
+
+def test_repairing_it_brings_the_new_task(right):
+    repaired = retyped(retyped(right, "F_[0:90](A7)"), "F_[0:90](A2)")
+    assert repaired.error == ""
+    assert repaired.decomposition is not None
+    assert len(repaired.decomposition.variables) == 1
+    assert right.task is not repaired.task
+
+
+def test_a_scene_may_open_with_a_wrong_formula():
+    specification = specify(load_task("linear-08"), "F_[0:90](A7)")
+    assert specification.task is None
+    assert specification.decomposition is None
+    assert "A7" in specification.error
+
+
+def test_a_change_of_looks_keeps_the_task(right):
+    region = replace(right.scene.regions[0], color="#123456")
+    recoloured = replace(right.scene, title="x", regions=(region, *right.scene.regions[1:]))
+    judged = edited(right, recoloured)
+    assert judged.task is right.task
+    assert judged.scene is recoloured
+
+
+def test_a_change_of_shape_brings_a_new_task(right):
+    region = replace(right.scene.regions[0], center=(0.0, 1.0))
+    moved = replace(right.scene, regions=(region, *right.scene.regions[1:]))
+    assert edited(right, moved).task is not right.task
+
+
+def test_a_robot_that_the_page_cannot_draw_is_refused():
+    with pytest.raises(UserError, match=r"does not draw the robot 'panda' yet\. Allowed: linear"):
+        specify(load_task("panda-01"))
+
+
+def test_every_robot_on_the_page_has_a_body():
+    assert set(BODY) == set(ON_PAGE) < set(ENVS)
