@@ -7,9 +7,16 @@ from studio.views.bodies.ball import Ball
 from studio.views.bodies.body import Body, Camera, Pose, Stage
 from studio.views.bodies.car import Car
 from studio.views.bodies.multirotor import Multirotor
+from studio.views.bodies.spider import Spider
 
 BODIES: MappingProxyType[str, Body] = MappingProxyType(
-    {"linear": Ball(), "unicycle": Car(), "panda": Arm(), "quadrotor": Multirotor()}
+    {
+        "linear": Ball(),
+        "unicycle": Car(),
+        "panda": Arm(),
+        "quadrotor": Multirotor(),
+        "ant": Spider(),
+    }
 )
 """By the robot's name."""
 

@@ -32,10 +32,14 @@ class Spider:
     def build(self, scene: viser.SceneApi, node: str) -> Mapping[str, viser.SceneNodeHandle]:
         """A frame with solids for each body of the model."""
         parts = {}
-        for name, pieces in _pieces().items():
+        for name, solids in self.pieces().items():
             parts[name] = scene.add_frame(f"{node}/{name}", show_axes=False)
-            add_pieces(scene, f"{node}/{name}", pieces)
+            add_pieces(scene, f"{node}/{name}", solids)
         return parts
+
+    def pieces(self) -> Mapping[str, tuple[Piece, ...]]:
+        """Solids of each part, in its frame."""
+        return _pieces()
 
     def track(self, states: np.ndarray, actions: np.ndarray) -> np.ndarray:
         """The states."""

@@ -121,6 +121,47 @@ def test_the_quadrotor_leans_as_its_thrust_pulls():
     np.testing.assert_allclose(axes[:, 2], thrust, atol=1e-6)
 
 
+def _ant(position, heading, hips, ankles):
+    """State [29] of brax's ant: torso, then (hip, ankle) of the legs [rad], then rates."""
+    turn = [np.cos(heading / 2), 0.0, 0.0, np.sin(heading / 2)]
+    joints = np.stack([hips, ankles], -1).ravel()
+    return np.concatenate([position, turn, joints, np.zeros(14)])
+
+
+def _feet(state):
+    """Lowest points [4, 3] of the legs."""
+    body = BODIES["ant"]
+    poses = body.poses(state)
+    root, feet = poses[ROOT], []
+    for part in ("part4", "part7", "part10", "part13"):
+        mesh = trimesh.util.concatenate([piece.mesh for piece in body.pieces()[part]])
+        inner = mesh.vertices @ _axes(poses[part]).T + poses[part].position
+        points = inner @ _axes(root).T + root.position
+        feet.append(points[points[:, 2].argmin()])
+    return np.stack(feet)
+
+
+STANDING = np.array([1.0, -1.0, -1.0, 1.0])
+"""Angles of the ankles [rad]."""
+
+
+def test_a_standing_ant_has_its_feet_on_the_ground():
+    feet = _feet(_ant([0.5, -1.0, 0.55], 0.3, np.zeros(4), STANDING))
+    assert np.abs(feet[:, 2]).max() < 0.06
+    around = np.arctan2(feet[:, 1] + 1.0, feet[:, 0] - 0.5) - 0.3
+    np.testing.assert_allclose(
+        np.sort(np.mod(around, 2 * np.pi)), np.pi / 4 + np.pi / 2 * np.arange(4), atol=0.02
+    )
+
+
+def test_the_legs_of_the_ant_move_with_their_joints():
+    still = _feet(_ant([0.0, 0.0, 0.55], 0.0, np.zeros(4), STANDING))
+    swung = _feet(_ant([0.0, 0.0, 0.55], 0.0, np.array([0.4, 0.0, 0.0, 0.0]), STANDING))
+    moved = np.linalg.norm(swung - still, axis=1)
+    assert moved[0] > 0.1
+    assert moved[1:].max() < 1e-6
+
+
 def test_rotors_turn_in_pairs_and_faster_under_more_thrust():
     robot, body = Quadrotor(), BODIES["quadrotor"]
     states = np.stack([_rest("quadrotor", [0.0, 0.0, 2.0])] * 11)
