@@ -18,6 +18,7 @@ from studio.server.security import start_server
 from studio.views.bodies import BODIES
 from studio.views.bodies.arm_pieces import arm_pieces
 from studio.views.bodies.body import ROOT
+from studio.views.bodies.spider import Spider
 from tests.studio.conftest import free_port
 
 BENT = np.array([0.7, 0.3, -0.5, -1.6, 0.4, 2.1, -0.8])
@@ -130,12 +131,12 @@ def _ant(position, heading, hips, ankles):
 
 def _feet(state):
     """Lowest points [4, 3] of the legs."""
-    body = BODIES["ant"]
+    body = Spider()
     poses = body.poses(state)
     root, feet = poses[ROOT], []
     for part in ("part4", "part7", "part10", "part13"):
-        mesh = trimesh.util.concatenate([piece.mesh for piece in body.pieces()[part]])
-        inner = mesh.vertices @ _axes(poses[part]).T + poses[part].position
+        solids = np.concatenate([piece.mesh.vertices for piece in body.pieces()[part]])
+        inner = solids @ _axes(poses[part]).T + poses[part].position
         points = inner @ _axes(root).T + root.position
         feet.append(points[points[:, 2].argmin()])
     return np.stack(feet)
