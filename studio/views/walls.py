@@ -50,6 +50,12 @@ def wall_faces(scene: Scene) -> dict[str, Face]:
     return {name: Face(wall, inside) for name, wall in walls.items() if wall is not None}
 
 
+def face_edges(face: Face) -> np.ndarray:
+    """Edges [4, 2, 3] of a wall's face."""
+    corners = inner_face(*face)[0]
+    return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+
+
 def add_face(scene: viser.SceneApi, node: str, face: Face) -> viser.MeshHandle:
     """Draw a wall's face, visible from within the hall only.
 
