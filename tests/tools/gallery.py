@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch, Polygon, Rectangle
-from matplotlib.patheffects import withStroke
+from matplotlib.patheffects import AbstractPathEffect, withStroke
 from PIL import Image
 from scipy.spatial import ConvexHull
 
@@ -65,9 +65,10 @@ def text() -> str:
     lines = [
         "# Gallery",
         "",
-        "Every shipped scene, drawn by `make gallery`: goals blue (keys green), obstacles grey, doors",
-        "red, the initial set yellow. Formulas are the paper's (App. A.8), except those of the demos; coordinates are ours.",
-        "In space the walls around the workspace are left out, and thin lines lead to the ground.",
+        "Every shipped scene, drawn by `make gallery`: goals blue (keys green), obstacles grey,",
+        "doors red, the initial set yellow. The numbered formulas are the paper's (App. A.8);",
+        "coordinates are ours. In space the walls of the workspace are left out, and thin lines",
+        "lead to the ground.",
     ]
     for robot in ENVS:
         lines += ["", f"## {robot.capitalize()}", "", f"![Scenes](images/gallery-{robot}.png)", ""]
@@ -81,13 +82,15 @@ def text() -> str:
 def draw_sheet(scenes: list[Scene]) -> Figure:
     """Pictures of scenes of one robot, with a legend."""
     rows = math.ceil(len(scenes) / COLUMNS)
-    figure = Figure(figsize=(COLUMNS * WIDTH, rows * WIDTH * 1.09 + 0.35), layout="constrained")
+    figure = Figure(layout="constrained")
     for place in figure.subplots(rows, COLUMNS, squeeze=False).flat:
         place.set_axis_off()
     for scene, axes in zip(scenes, figure.axes, strict=False):
         (draw_plan if scene.dimension == 2 else draw_oblique)(axes, scene)
         axes.set_title(scene.name, fontsize=10, color=INK)
         axes.set_aspect("equal")
+    height = WIDTH * float(np.ptp(figure.axes[0].get_ylim()) / np.ptp(figure.axes[0].get_xlim()))
+    figure.set_size_inches(COLUMNS * WIDTH, rows * (height + 0.27) + 0.35)
     colors = {name: DEFAULT_COLOR[role] for role, name in ROLE_NAMES.items()} | {"start": START}
     keys = [Patch(facecolor=color, edgecolor=INK, label=name) for name, color in colors.items()]
     figure.legend(handles=keys, loc="outside lower center", ncols=len(keys), frameon=False)
@@ -101,14 +104,15 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     axes.set_ylim(front - 0.2, back + 0.2)
     axes.add_patch(Rectangle((left, front), right - left, back - front, fc=GROUND, ec=LINE))
     for region, look in looks(scene):
-        corner = np.subtract(region.center, np.resize(region.size, 2))
+        x, y = region.center
+        width, depth = np.resize(region.size, 2)
         style = {"fc": look.color, "ec": INK, "lw": 0.7, "alpha": max(look.opacity, IN_SPACE)}
         if region.kind == "circle":
-            axes.add_patch(Circle(region.center, region.size[0], **style))
+            axes.add_patch(Circle((x, y), width, **style))
         else:
-            axes.add_patch(Rectangle(corner, *np.multiply(region.size, 2), **style))
+            axes.add_patch(Rectangle((x - width, y - depth), 2 * width, 2 * depth, **style))
         below = min(region.size) + 0.25 if min(region.size) < SMALL else 0.0
-        _write(axes, np.subtract(region.center, (0.0, below)), look.label)
+        _write(axes, x, y - below, look.label)
 
 
 def draw_oblique(axes: Axes, scene: Scene) -> None:
@@ -119,7 +123,7 @@ def draw_oblique(axes: Axes, scene: Scene) -> None:
     room = outline(Region("room", "box", tuple(center), tuple(half)), 0.0)
     ground = room.reshape(-1, 3)[np.isclose(room.reshape(-1, 3)[:, 2], limits[2, 0])]
     axes.add_patch(_hull(view, ground, fc=GROUND, ec="none"))
-    axes.add_collection(LineCollection((room @ view.T)[..., :2], colors=LINE, linewidths=0.7))
+    axes.add_collection(LineCollection(list((room @ view.T)[..., :2]), colors=LINE, linewidths=0.7))
     shown = [(r, look) for r, look in looks(scene) if not _outside(r, limits)]
     shown.sort(key=lambda pair: -float(view[2] @ pair[0].center))
     for region, _ in shown:
@@ -171,7 +175,8 @@ def _draw_solid(axes: Axes, view: np.ndarray, region: Region, color: str) -> Non
     points = edges.reshape(-1, 3)
     style = {"fc": color, "ec": INK, "lw": 0.7, "alpha": IN_SPACE}
     if region.kind == "sphere":
-        axes.add_patch(Circle((view @ region.center)[:2], region.size[0], **style))
+        right, up, _ = view @ region.center
+        axes.add_patch(Circle((right, up), region.size[0], **style))
         return
     axes.add_patch(_hull(view, points, **style))
     cap = points[np.isclose(points[:, 2], points[:, 2].max())]
@@ -194,13 +199,14 @@ def _write_apart(
         while any((np.abs(place - other) < (1.5 * gap, gap)).all() for other in taken):
             place = place + (0.0, gap)
         taken.append(place)
-        _write(axes, place, look.label)
+        _write(axes, place[0], place[1], look.label)
 
 
-def _write(axes: Axes, place: np.ndarray, label: str) -> None:
-    halo = [withStroke(linewidth=2.2, foreground="white")]
-    style = {"ha": "center", "va": "center", "fontsize": 8, "color": INK, "parse_math": False}
-    axes.text(*place, label, path_effects=halo, clip_on=False, **style)
+def _write(axes: Axes, x: float, y: float, label: str) -> None:
+    halo: list[AbstractPathEffect] = [withStroke(linewidth=2.2, foreground="white")]
+    text = axes.text(x, y, label, ha="center", va="center", fontsize=8, color=INK)
+    text.set_path_effects(halo)
+    text.set_parse_math(False)
 
 
 if __name__ == "__main__":
