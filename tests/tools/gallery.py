@@ -35,8 +35,8 @@ GROUND, LINE, INK = "#f7f8fa", "#ced4da", "#343a40"
 ELEVATION, TURN = math.radians(32), math.radians(28)
 IN_SPACE = 0.6
 """Opacity of solids in space."""
-SMALL = 0.3
-"""Planar regions of less than this [m] have their names below them."""
+SMALL = 0.03
+"""Planar regions smaller than this share of the workspace have their names below them."""
 ROLE_NAMES = {Role.GOAL: "goal", Role.OBSTACLE: "obstacle", Role.DOOR: "door"}
 
 
@@ -111,7 +111,8 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
             axes.add_patch(Circle((x, y), width, **style))
         else:
             axes.add_patch(Rectangle((x - width, y - depth), 2 * width, 2 * depth, **style))
-        below = min(region.size) + 0.25 if min(region.size) < SMALL else 0.0
+        small = SMALL * (right - left)
+        below = depth + small if max(width, depth) < small else 0.0
         _write(axes, x, y - below, look.label)
 
 
