@@ -14,6 +14,7 @@ from scenes.scene import (
 )
 from scenes.world import (
     AIRSPACE,
+    COURTYARD,
     PLANAR,
     TABLETOP,
     GoalGeometry,
@@ -24,6 +25,7 @@ from scenes.world import (
 
 __all__ = [
     "AIRSPACE",
+    "COURTYARD",
     "PLANAR",
     "TABLETOP",
     "WORKSPACE_DIMENSION",
