@@ -20,8 +20,12 @@ from safetensors.numpy import load
 from envs.ant.model import MOTORS, POSITIONS, rotation
 
 FEATURES = 29
-REACH = 1.0
-"""Distance beyond which a waypoint looks no farther [m]."""
+SIGHT = 1.0
+"""Distance beyond which a waypoint looks no farther [m]; learnt with."""
+
+REACH = 0.7
+"""Distance to which farther waypoints are drawn in [m]: the ant walks no faster towards farther
+ones, but falls twice as often when they turn."""
 
 KNEE_SIGN = np.array([1.0, -1.0, -1.0, 1.0])
 """Legs 2 and 3 have their ankles' axes the other way round."""
@@ -48,7 +52,9 @@ class Gait:
 
         Waypoints are relative to the torso, in the world's axes, in [m].
         """
-        observation, turns = observe(states, waypoints, xp)
+        distance = xp.sqrt((waypoints**2).sum(1, keepdims=True))
+        near = waypoints * (REACH / xp.maximum(distance, REACH))
+        observation, turns = observe(states, near, xp)
         return motor_order(xp.clip(self.act(observation, xp), -1.0, 1.0), turns, xp)
 
     def act(self, observation: Any, xp: Any = np) -> Any:
@@ -70,14 +76,14 @@ def observe(states: Any, waypoints: Any, xp: Any = np) -> tuple[Any, Any]:
 
     Height; up axis, velocity and angular velocity of the torso; hip and knee angles and rates of
     the legs, the first ahead on the left; cosine and sine of the waypoint's bearing and its
-    distance, up to `REACH`.
+    distance, up to `SIGHT`.
     """
     matrix = rotation(states[:, 3:7], xp)
     up = matrix[:, 2, :]
     velocity = xp.einsum("nji,nj->ni", matrix, states[:, POSITIONS : POSITIONS + 3])
     spin = states[:, POSITIONS + 3 : POSITIONS + 6]
     ahead = xp.einsum("nji,nj->ni", matrix[:, :2, :2], waypoints)
-    distance = xp.minimum(xp.sqrt((waypoints**2).sum(1)), REACH)
+    distance = xp.minimum(xp.sqrt((waypoints**2).sum(1)), SIGHT)
     bearing = xp.arctan2(ahead[:, 1], ahead[:, 0])
     turns = xp.round(bearing / (np.pi / 2)).astype(int) % 4
     bearing = bearing - turns * (np.pi / 2)
@@ -115,7 +121,7 @@ def _turned(vectors: Any, turns: Any, xp: Any) -> Any:
 
 @cache
 def shipped_gait() -> Gait:
-    """The gait that comes with the program (`tests/tools/train_gait.py` made it)."""
+    """The gait that comes with the program (`tests.tools.gait` made it)."""
     return read_gait((resources.files("static") / "ant" / WEIGHTS).read_bytes())
 
 

@@ -32,7 +32,6 @@ def test_the_same_torques_lead_along_the_same_path(simulators):
     for _ in range(2):
         torques = random.uniform(-1, 1, (COUNT, 8))
         one, other = native.torque_step(one, torques), mjx.torque_step(other, torques)
-    print("mjx", np.abs(one[:, :3] - other[:, :3]).max())
     np.testing.assert_allclose(other[:, :3], one[:, :3], atol=1e-5)
 
 
@@ -48,7 +47,6 @@ def test_the_gait_walks_as_far_in_both(simulators):
         arguments = (jnp.float32(other), jnp.float32(ahead))
         other = np.asarray(_closed_loop(mjx._torque_step, shipped_gait(), 1.0, *arguments))
     walked = [(states[:, :2] * ahead).sum(1)[~has_fallen(states)] for states in (one, other)]
-    print("walked", [w.mean() for w in walked], [w.std() for w in walked])
     assert min(len(distances) for distances in walked) >= COUNT - 2
     assert walked[1].mean() == pytest.approx(walked[0].mean(), rel=0.1)
 
