@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from envs.ant.gait import Gait
-from envs.ant.model import STATE, SUBSTEPS, ant_model, is_sound
+from envs.ant.model import DT, STATE, SUBSTEPS, ant_model, is_sound
 from envs.ant.pool import Borrowed
 
 THREADS = 2
@@ -72,4 +72,7 @@ class _Simulator:
             state=visited,
             sensordata=sensors,
         )
-        return visited[:, -1, 1:]
+        after = visited[:, -1, 1:].copy()
+        # MuJoCo puts a diverged ant back at the origin, sound again, and its clock back to zero.
+        after[visited[:, -1, 0] < DT - 0.5 * self._model.opt.timestep] = np.nan
+        return after
