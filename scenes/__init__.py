@@ -15,6 +15,7 @@ from scenes.scene import (
 )
 from scenes.world import (
     AIRSPACE,
+    COURTYARD,
     PLANAR,
     TABLETOP,
     GoalGeometry,
@@ -25,6 +26,7 @@ from scenes.world import (
 
 __all__ = [
     "AIRSPACE",
+    "COURTYARD",
     "PLANAR",
     "TABLETOP",
     "WORKSPACE_DIMENSION",

@@ -28,7 +28,9 @@ from scenes.regions import Region, SceneError, allowed
 FORMAT = 1
 """Version of the schema that this program reads and writes."""
 
-WORKSPACE_DIMENSION = MappingProxyType({"linear": 2, "unicycle": 2, "panda": 3, "quadrotor": 3})
+WORKSPACE_DIMENSION = MappingProxyType(
+    {"linear": 2, "unicycle": 2, "panda": 3, "quadrotor": 3, "ant": 2}
+)
 """Dimension of the space in which each robot's regions live (a test holds it equal to `ENVS`)."""
 
 DEMO = "-demo"

@@ -13,6 +13,7 @@ from core.task import Task
 from envs import ENVS
 from scenes import (
     AIRSPACE,
+    COURTYARD,
     PLANAR,
     TABLETOP,
     GoalGeometry,
@@ -27,6 +28,7 @@ WORLDS: dict[str, GridWorld] = {
     "unicycle": PLANAR,
     "panda": TABLETOP,
     "quadrotor": AIRSPACE,
+    "ant": COURTYARD,
 }
 """Workspace by robot."""
 
