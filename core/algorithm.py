@@ -52,6 +52,11 @@ class Algorithm:
     choice_candidates: int = 64
     """Schedules that the critic chooses from at inference."""
 
+    layouts: int = 1
+    """Layouts that the environments of an epoch are dealt to; 1 learns on the task's own alone."""
+    fresh_layouts: int = 0
+    """Layouts among them that are new in every epoch."""
+
     def preference(self, value, shortfall):
         """By which schedules are sampled and chosen: V(s_0, t), less for legs that are too short.
 
@@ -62,7 +67,7 @@ class Algorithm:
     @property
     def count_mcmc(self) -> int:
         """Episodes of an epoch whose schedules come from the chains."""
-        return round(self.environments * self.share_mcmc)
+        return self.layouts * round(self.environments // self.layouts * self.share_mcmc)
 
     @property
     def count_elite(self) -> int:

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.algorithm import Algorithm
-from core.collection import Batch, collect
+from core.collection import Batch, collect, collect_layouts
 from core.grounding import MAX_VARIABLES
 from core.learner import LearnerState, make_optimizer, update
 from core.problem import Problem
@@ -134,7 +134,8 @@ def fresh_learner(task: Task, algorithm: Algorithm, seed: int) -> LearnerState:
 
 def _collect(setting: Setting, problem: Problem, state: LearnerState) -> Batch:
     collect_key = jax.random.fold_in(state.key, 1)
-    return collect(setting, problem, state.parameters, state.chains, state.elite, collect_key)
+    gather = collect if setting.algorithm.layouts == 1 else collect_layouts
+    return gather(setting, problem, state.parameters, state.chains, state.elite, collect_key)
 
 
 def _score(setting: Setting, problem: Problem, parameters, state, schedules):
@@ -188,10 +189,20 @@ def _learner_shapes(setting: Setting, shapes: _Shapes) -> LearnerState:
 def _training_programs(setting: Setting, shapes: _Shapes) -> TrainingPrograms:
     state = _learner_shapes(setting, shapes)
     with ThreadPoolExecutor(1) as pool:
-        traced = jax.jit(partial(_collect, setting)).trace(shapes.struct, state)
+        problem = _stacked(shapes.struct, setting.algorithm.layouts)
+        traced = jax.jit(partial(_collect, setting)).trace(problem, state)
         collector = pool.submit(_compile, traced)
         learner = jax.jit(partial(update, setting)).lower(state, traced.out_info).compile()
         return TrainingPrograms(collector.result(), learner)
+
+
+def _stacked(problem: Problem, layouts: int) -> Problem:
+    """Shapes of the problems of several layouts, stacked; of one problem as it is."""
+    if layouts == 1:
+        return problem
+    return jax.tree.map(
+        lambda leaf: jax.ShapeDtypeStruct((layouts, *leaf.shape), leaf.dtype), problem
+    )
 
 
 @cache
