@@ -97,6 +97,17 @@ STUDIO = {"quadrotor": Algorithm(mode=StudioMode(gradual_stays=True), learning_r
 """Studio presets of robots that the default serves badly: a quadrotor cannot stop at once."""
 
 
+def many_layouts(algorithm: Algorithm) -> Algorithm:
+    """The algorithm, learning on many layouts of a task, some of them new in every epoch.
+
+    Raises:
+        UserError: the paper's mode, which knows one layout.
+    """
+    if isinstance(algorithm.mode, PaperMode):
+        raise UserError("the paper's mode learns one layout alone. Available: ['studio']")
+    return replace(algorithm, layouts=16, fresh_layouts=1)
+
+
 def make_algorithm(mode: ModeName, method: MethodName, robot: str) -> Algorithm:
     """The preset of a mode and a method for a robot.
 

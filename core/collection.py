@@ -180,7 +180,7 @@ def collect_layouts(
     )(
         problems,
         parameters,
-        chains.reshape(count, -1, chains.shape[-1]),
+        chains.reshape(count, dealt.count_mcmc, -1),
         elite,
         jax.random.split(key, count),
     )

@@ -26,7 +26,7 @@ class LayoutStack:
     Args:
         source: makes the problem of the n-th layout, always the same one.
         count: M.
-        fresh: F, layouts that are new in every epoch; 0 stays with the first M.
+        fresh: F <= M, layouts that are new in every epoch; 0 stays with the first M.
         epoch: the first epoch that will be asked for.
     """
 

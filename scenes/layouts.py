@@ -22,6 +22,9 @@ from scenes.world import GridWorld
 ATTEMPTS = 50
 """Places that are tried for a region before the whole layout is begun anew."""
 
+TOUCHING = 1e-6
+"""Distance in [m] up to which regions touch: sums of decimals are not exact."""
+
 RESTARTS = 5
 """Layouts that are begun before shifts are made smaller."""
 
@@ -129,7 +132,7 @@ def _free_axes(
     """Axes [d] along which a region may move: those that lead to no wall that it touches."""
     free = np.ones(len(low), bool)
     for wall in walls:
-        if separation(region, wall) <= 0:
+        if separation(region, wall) <= TOUCHING:
             free &= ~_faces(wall, low, high).any(0)
     return free
 
@@ -156,7 +159,7 @@ def _touching(regions: list[Region]) -> list[list[Region]]:
     """Regions that touch, together."""
     groups: list[list[Region]] = []
     for region in regions:
-        near = [g for g in groups if any(separation(region, other) <= 0 for other in g)]
+        near = [g for g in groups if any(separation(region, other) <= TOUCHING for other in g)]
         groups = [g for g in groups if g not in near]
         groups.append([region, *(other for g in near for other in g)])
     return groups
