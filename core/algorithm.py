@@ -44,6 +44,9 @@ class Algorithm:
     mcmc_strides: tuple[int, ...] = (1, 2, 4, 8)
     persistent_chains: bool = True
 
+    model_epochs: int = 10**6
+    """Epochs that learn from `robot.step` before true physics takes over, where both differ."""
+
     prune: bool = True
     """Whether schedules are pruned by travel time."""
     prune_candidates: int = 32

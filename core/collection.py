@@ -42,6 +42,7 @@ class Batch(NamedTuple):
     robustness: Array  # [N] running robustness of the first episode
     success: Array  # [N] whether it succeeded
     chains: Array  # [C, V] where the chains stand
+    diverged: Array  # [] simulations that broke down
 
 
 def mixed_schedules(
@@ -84,6 +85,137 @@ def mixed_schedules(
     return jnp.concatenate(parts), chains
 
 
+class Plan(NamedTuple):
+    """What is drawn before a batch begins."""
+
+    grounded: Grounded  # [N] each environment's schedule
+    pool: View  # [2N] starts: the epoch's own, then those of the episodes that follow
+    noise: Array  # [L, N, m] standard normal
+    slots: Array  # [L, N] the start that follows an episode which ends at this step
+    position: Array  # [N, d] at the beginning
+    schedule: Array  # [N, V]
+    chains: Array  # [C, V]
+
+
+class Stage(NamedTuple):
+    """Where the environments stand between two steps."""
+
+    view: View  # [N]
+    slot: Array  # [N] the start of the present episode
+    first: Array  # [N] whether the first episode still lasts
+    robustness: Array  # [N] of the first episode
+    success: Array  # [N] of the first episode
+
+
+class Transition(NamedTuple):
+    """One step of all environments; the fields are those of `Batch`."""
+
+    policy: Array
+    critic: Array
+    reward: Array
+    ended: Array
+    weight: Array
+    position: Array
+    diverged: Array
+
+
+def prepare(
+    setting: Setting,
+    problem: Problem,
+    parameters: Parameters,
+    chains: Array,
+    elite: Elite,
+    key: Array,
+) -> tuple[Plan, Stage]:
+    """Draw schedules, starts and noise, and begin."""
+    state_key, schedule_key, pool_key, noise_key, slot_key = jax.random.split(key, 5)
+    count, steps = setting.algorithm.environments, setting.steps
+    states = initial_states(setting, problem, state_key, count)
+    schedules, chains = mixed_schedules(
+        setting, problem, parameters, chains, elite, schedule_key, states
+    )
+    positions = jax.vmap(setting.robot.position)(states)
+    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(setting, problem, positions, schedules)
+    pool = _start_pool(setting, problem, grounded, pool_key, states)
+    noise = jax.random.normal(noise_key, (steps, count, setting.robot.action_size))
+    slots = jax.random.randint(slot_key, (steps, count), count, 2 * count)
+    start = jax.tree.map(lambda leaf: leaf[:count], pool)
+    stage = Stage(
+        start,
+        jnp.arange(count),
+        jnp.ones(count, bool),
+        start.episode.robustness,
+        jnp.zeros(count, bool),
+    )
+    return Plan(grounded, pool, noise, slots, positions, schedules, chains), stage
+
+
+def explore(setting: Setting, parameters: Parameters, stage: Stage, noise: Array) -> Array:
+    """Noisy actions [N, m]."""
+    mean = setting.networks.action(parameters, stage.view.policy)
+    return mean + jnp.exp(parameters.log_std) * noise
+
+
+def settle(
+    setting: Setting, problem: Problem, plan: Plan, stage: Stage, command: Array, slots: Array
+) -> tuple[Stage, Transition]:
+    """One step of all environments; where an episode ends, the next begins.
+
+    Args:
+        setting: what is compiled for.
+        problem: the grounded task.
+        plan: of the batch.
+        stage: before the step.
+        command: what `robot.step` takes: actions [N, m], as a rule.
+        slots: the start [N] of the episode that follows one which ends.
+    """
+    count = slots.shape[0]
+    view = stage.view
+    mine = jax.tree.map(lambda leaf: leaf[stage.slot % count], plan.grounded)
+    after, reward, ends = jax.vmap(advance, (None, None, 0, 0, 0))(
+        setting, problem, mine, view, command
+    )
+    alive = view.episode.alive > 0
+    ends = ends | ~alive
+    finished = stage.first & ends
+    reached = jax.vmap(setting.algorithm.mode.succeeded)(mine.windows, after.episode)
+    fresh = jax.tree.map(lambda leaf: leaf[slots], plan.pool)
+    following = Stage(
+        jax.tree.map(lambda new, old: _where(ends, new, old), fresh, after),
+        jnp.where(ends, slots, stage.slot),
+        stage.first & ~ends,
+        jnp.where(finished, after.episode.robustness, stage.robustness),
+        jnp.where(finished, reached, stage.success),
+    )
+    return following, Transition(
+        view.policy,
+        view.critic,
+        reward * alive,
+        ends,
+        alive.astype(jnp.float32),
+        jax.vmap(setting.robot.position)(after.episode.state),
+        after.episode.robustness == -jnp.inf,
+    )
+
+
+def finish(plan: Plan, stage: Stage, transitions: Transition) -> Batch:
+    """The batch of L transitions, stacked along the first axis."""
+    return Batch(
+        transitions.policy,
+        jnp.concatenate([transitions.critic, stage.view.critic[None]]),
+        plan.noise,
+        transitions.reward,
+        transitions.ended,
+        transitions.weight,
+        jnp.concatenate([plan.position[None], transitions.position]),
+        plan.schedule,
+        stage.robustness,
+        stage.success,
+        plan.chains,
+        transitions.diverged.sum(),
+    )
+
+
 def collect(
     setting: Setting,
     problem: Problem,
@@ -98,65 +230,15 @@ def collect(
     begins at once, drawn from a pool of starts; a share of the pool are exploring starts, at the
     completion of a random subgoal or, for robots that ask for it, within a stay.
     """
-    state_key, schedule_key, pool_key, noise_key, slot_key = jax.random.split(key, 5)
-    count, steps = setting.algorithm.environments, setting.steps
-    states = initial_states(setting, problem, state_key, count)
-    schedules, chains = mixed_schedules(
-        setting, problem, parameters, chains, elite, schedule_key, states
-    )
-    positions = jax.vmap(setting.robot.position)(states)
-    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(setting, problem, positions, schedules)
-    pool = _start_pool(setting, problem, grounded, pool_key, states)
-    noise = jax.random.normal(noise_key, (steps, count, setting.robot.action_size))
-    slots = jax.random.randint(slot_key, (steps, count), count, 2 * count)
-    spread = jnp.exp(parameters.log_std)
+    plan, start = prepare(setting, problem, parameters, chains, elite, key)
 
-    def step(carry, inputs):
-        view, slot, first, robustness, success = carry
-        deviation, next_slot = inputs
-        mine = jax.tree.map(lambda leaf: leaf[slot % count], grounded)
-        action = setting.networks.action(parameters, view.policy) + spread * deviation
-        after, reward, ends = jax.vmap(advance, (None, None, 0, 0, 0))(
-            setting, problem, mine, view, action
-        )
-        alive = view.episode.alive > 0
-        ends = ends | ~alive
-        finished = first & ends
-        robustness = jnp.where(finished, after.episode.robustness, robustness)
-        reached = jax.vmap(setting.algorithm.mode.succeeded)(mine.windows, after.episode)
-        success = jnp.where(finished, reached, success)
-        position = jax.vmap(setting.robot.position)(after.episode.state)
-        fresh = jax.tree.map(lambda leaf: leaf[next_slot], pool)
-        following = jax.tree.map(lambda new, old: _where(ends, new, old), fresh, after)
-        slot = jnp.where(ends, next_slot, slot)
-        output = (view.policy, view.critic, reward * alive, ends, alive, position)
-        return (following, slot, first & ~ends, robustness, success), output
+    def step(stage, inputs):
+        noise, slots = inputs
+        action = explore(setting, parameters, stage, noise)
+        return settle(setting, problem, plan, stage, action, slots)
 
-    start = jax.tree.map(lambda leaf: leaf[:count], pool)
-    carry = (
-        start,
-        jnp.arange(count),
-        jnp.ones(count, bool),
-        start.episode.robustness,
-        jnp.zeros(count, bool),
-    )
-    carry, (policy, critic, reward, ended, weight, position) = jax.lax.scan(
-        step, carry, (noise, slots)
-    )
-    critic = jnp.concatenate([critic, carry[0].critic[None]])
-    return Batch(
-        policy,
-        critic,
-        noise,
-        reward,
-        ended,
-        weight.astype(jnp.float32),
-        jnp.concatenate([positions[None], position]),
-        schedules,
-        carry[3],
-        carry[4],
-        chains,
-    )
+    stage, transitions = jax.lax.scan(step, start, (plan.noise, plan.slots))
+    return finish(plan, stage, transitions)
 
 
 def collect_layouts(
@@ -172,7 +254,7 @@ def collect_layouts(
     dealt = replace(
         setting.algorithm, environments=setting.algorithm.environments // count, layouts=1
     )
-    axes = (1,) * 7 + (0,) * 4  # of the layouts in a batch: after time, where there is time
+    axes = (1,) * 7 + (0,) * 5  # of the layouts in a batch: after time, where there is time
     batch = jax.vmap(
         partial(collect, setting._replace(algorithm=dealt)),
         (0, None, 0, None, 0),
@@ -188,7 +270,8 @@ def collect_layouts(
     def merged(leaf: Array, axis: int) -> Array:
         return leaf.reshape(*leaf.shape[:axis], -1, *leaf.shape[axis + 2 :])
 
-    return Batch(*map(merged, batch, axes))
+    fields = [merged(leaf, axis) for leaf, axis in zip(batch[:-1], axes, strict=False)]
+    return Batch(*fields, batch.diverged.sum())
 
 
 def _where(mask: Array, new: Array, old: Array) -> Array:
@@ -202,7 +285,7 @@ def _start_pool(
     count = states.shape[0]
     within_stays = setting.algorithm.mode.gradual_stays
 
-    def explore(one: Grounded, state, start_key):
+    def start_of(one: Grounded, state, start_key):
         rank_key, sample_key, place_key, choice_key = jax.random.split(start_key, 4)
         windows = one.windows
         last = windows.count - (0 if within_stays else 1)
@@ -221,7 +304,7 @@ def _start_pool(
         return jnp.where(chosen, placed, state), tau
 
     keys = jax.random.split(key, count)
-    explored, tau = jax.vmap(explore)(grounded, states, keys)
+    explored, tau = jax.vmap(start_of)(grounded, states, keys)
     twice = jax.tree.map(lambda leaf: jnp.concatenate([leaf, leaf]), grounded)
     return jax.vmap(begin, (None, None, 0, 0, 0))(
         setting,

@@ -15,6 +15,9 @@ from core.problem import Problem
 from core.protocols import Array
 from core.windows import Windows
 
+SOUND = 1e6
+"""Largest number in a state that a simulation has not broken down at."""
+
 
 class Episode(NamedTuple):
     """Augmented state of one episode."""
@@ -26,7 +29,7 @@ class Episode(NamedTuple):
     certificate: Array  # [] r in {0, 1, 2}
     satisfied: Array  # [C] chi, 1 while a constraint was never violated
     alive: Array  # [] 1 while no task is violated
-    robustness: Array  # [] running robustness of the grounded formula [m]
+    robustness: Array  # [] running robustness of the grounded formula [m]; -inf if broken down
 
 
 class Checks(NamedTuple):
@@ -66,3 +69,8 @@ def worst_open(checks: Checks) -> Array:
 def worst_open_constraint(checks: Checks) -> Array:
     """Smallest margin of the invariant constraints whose windows contain this step."""
     return jnp.where(checks.constraint_open, checks.constraint, jnp.inf).min()
+
+
+def is_sound(state: Array) -> Array:
+    """Whether a state [n] is finite and has not diverged: otherwise its episode has failed."""
+    return (jnp.abs(state) < SOUND).all()  # false for NaN

@@ -1,5 +1,6 @@
 """Success rates by the paper's protocol (Sec. 5.1): one schedule, one rollout, exact verdicts."""
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -27,8 +28,14 @@ class Evaluation(NamedTuple):
 
     @property
     def robustness_mean(self) -> float:
-        """Mean robustness of the traces [m]."""
-        return float(self.robustness.mean())
+        """Mean robustness of the traces that were simulated to the end [m]."""
+        finite = self.robustness[np.isfinite(self.robustness)]
+        return float(finite.mean()) if finite.size else -math.inf
+
+    @property
+    def diverged(self) -> int:
+        """Simulations that broke down; they have failed."""
+        return int((self.robustness == -np.inf).sum())
 
 
 def trace_robustness(task: Task, margins: np.ndarray) -> np.ndarray:

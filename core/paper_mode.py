@@ -1,7 +1,8 @@
 """The `paper` mode of the grounded MDP: Sec. 4.2 of the paper to the letter.
 
 Transition: p_prev' = p, r' = h(r, x', tau', p), p' = p + 1(r' = 2), chi' as in the paper. The
-flag r checks a stay at its entry and its exit only. Nothing ends an episode before its horizon.
+flag r checks a stay at its entry and its exit only. Nothing ends an episode before
+its horizon but a simulation that breaks down.
 
 Reward: R = lambda_1 mu_p(x) + lambda_2 1(p_prev != p) + lambda_3 1(p = N_g and chi = 1)
 + lambda_4 1(some chi_k = 0); the formula's robustness is added at the final step by the learner.
@@ -15,7 +16,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from core.episode import Checks, Episode, check, worst_open
+from core.episode import Checks, Episode, check, is_sound, worst_open
 from core.problem import Problem, extended_margins
 from core.protocols import Array, Robot, World
 from core.windows import Windows
@@ -73,6 +74,7 @@ class PaperMode:
         del sense
         state = robot.step(episode.state, action)
         tau = episode.tau + 1
+        sound = is_sound(state)
         after = self._sense(robot, world, problem, windows, state, tau)
         certificate = _certificate(
             windows, after.checks, episode.certificate, episode.progress, tau
@@ -87,6 +89,7 @@ class PaperMode:
             + self.success * (complete & (satisfied.min() > 0))
             + self.violation * (satisfied.min() == 0)
         )
+        reward = jnp.where(sound, reward, self.violation)
         following = Episode(
             state,
             tau,
@@ -95,13 +98,15 @@ class PaperMode:
             certificate,
             satisfied,
             episode.alive,
-            jnp.minimum(episode.robustness, worst_open(after.checks)),
+            jnp.where(sound, jnp.minimum(episode.robustness, worst_open(after.checks)), -jnp.inf),
         )
-        return following, after, self.scale * reward, tau >= problem.formula.horizon
+        ends = (tau >= problem.formula.horizon) | ~sound
+        return following, after, self.scale * reward, ends
 
     def succeeded(self, windows: Windows, episode: Episode) -> Array:
         """Whether the progress pointer and the flags say that all was achieved."""
-        return (episode.progress >= windows.count) & (episode.satisfied.min() > 0)
+        achieved = (episode.progress >= windows.count) & (episode.satisfied.min() > 0)
+        return achieved & (episode.robustness > -jnp.inf)
 
     def policy_features(
         self,

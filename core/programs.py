@@ -10,29 +10,47 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache, partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from core.algorithm import Algorithm
-from core.collection import Batch, collect, collect_layouts
+from core.collection import (
+    Batch,
+    collect,
+    collect_layouts,
+    explore,
+    finish,
+    prepare,
+    settle,
+)
 from core.grounding import MAX_VARIABLES
 from core.learner import LearnerState, make_optimizer, update
+from core.physics import MeasuredRobot, Physics, physics_of
 from core.problem import Problem
-from core.protocols import Array
+from core.protocols import Array, Robot
 from core.rollout import (
     Rollout,
     Setting,
     begin,
     choose_schedules,
+    depart,
     ground_schedule,
     initial_states,
+    proceed,
     roll_out,
     score_schedules,
+    trace_margins,
 )
 from core.sampler import Elite
+from core.simulation import (
+    CollectionPieces,
+    RolloutPieces,
+    collect_in_physics,
+    roll_out_in_physics,
+)
 from core.task import Task
 from core.windows import shortest_leg, windows_of
 
@@ -44,6 +62,9 @@ class TrainingPrograms(NamedTuple):
     """Compiled programs of a training run."""
 
     collect: Callable[[Problem, LearnerState], Batch]
+    """By the robot's `step`."""
+    collect_in_physics: Callable[[Problem, LearnerState], Batch]
+    """By the robot's truth: the same program where `step` is the truth."""
     update: Callable[[LearnerState, Batch], LearnerState]
 
 
@@ -53,6 +74,7 @@ class EvaluationPrograms(NamedTuple):
     initial: Callable[[Problem, Array], Array]
     choose: Callable[[Problem, Any, Array, Array], tuple[Array, Array]]
     roll_out: Callable[[Problem, Any, Array, Array], Rollout]
+    """In the robot's true physics."""
 
 
 def use_disk_cache(folder: Path | None = None) -> Path:
@@ -133,9 +155,14 @@ def fresh_learner(task: Task, algorithm: Algorithm, seed: int) -> LearnerState:
 
 
 def _collect(setting: Setting, problem: Problem, state: LearnerState) -> Batch:
-    collect_key = jax.random.fold_in(state.key, 1)
     gather = collect if setting.algorithm.layouts == 1 else collect_layouts
-    return gather(setting, problem, state.parameters, state.chains, state.elite, collect_key)
+    return gather(setting, problem, *_collected_with(state))
+
+
+def _collected_with(state: LearnerState) -> tuple[Any, ...]:
+    """What a batch depends on: parameters, chains, elite and its key."""
+    collect_key = jax.random.fold_in(state.key, 1)
+    return state.parameters, state.chains, state.elite, collect_key
 
 
 def _score(setting: Setting, problem: Problem, parameters, state, schedules):
@@ -188,12 +215,44 @@ def _learner_shapes(setting: Setting, shapes: _Shapes) -> LearnerState:
 @cache
 def _training_programs(setting: Setting, shapes: _Shapes) -> TrainingPrograms:
     state = _learner_shapes(setting, shapes)
+    physics = physics_of(setting.robot)
     with ThreadPoolExecutor(1) as pool:
         problem = _stacked(shapes.struct, setting.algorithm.layouts)
         traced = jax.jit(partial(_collect, setting)).trace(problem, state)
         collector = pool.submit(_compile, traced)
         learner = jax.jit(partial(update, setting)).lower(state, traced.out_info).compile()
-        return TrainingPrograms(collector.result(), learner)
+        model = truth = collector.result()
+    if physics is not None and setting.algorithm.layouts == 1:
+        truth = _physical_collection(physics, _measured(setting), shapes, state)
+    return TrainingPrograms(model, truth, learner)
+
+
+def _physical_collection(
+    physics: Physics, setting: Setting, shapes: _Shapes, state: LearnerState
+) -> Callable[[Problem, LearnerState], Batch]:
+    def begin_batch(problem: Problem, state: LearnerState):
+        return prepare(setting, problem, *_collected_with(state))
+
+    def act(parameters, plan, stage, t):
+        return explore(setting, parameters, stage, plan.noise[t])
+
+    def proceed_batch(problem, plan, stage, measured, t):
+        return settle(setting, problem, plan, stage, measured, plan.slots[t])
+
+    environments = setting.algorithm.environments
+    measured, _ = _state_and_schedule(setting, environments)
+    t = jax.ShapeDtypeStruct((), jnp.int32)
+    prepared = jax.jit(begin_batch).trace(shapes.struct, state)
+    plan, stage = prepared.out_info
+    settled = jax.jit(proceed_batch).trace(shapes.struct, plan, stage, measured, t)
+    transitions = jax.tree.map(
+        lambda leaf: jax.ShapeDtypeStruct((setting.steps, *leaf.shape), leaf.dtype),
+        settled.out_info[1],
+    )
+    acting = jax.jit(act).trace(state.parameters, plan, stage, t)
+    finished = jax.jit(finish).trace(plan, stage, transitions)
+    pieces = CollectionPieces(*_compile_all(prepared, acting, settled, finished))
+    return partial(collect_in_physics, physics, pieces, setting.steps)
 
 
 def _stacked(problem: Problem, layouts: int) -> Problem:
@@ -210,15 +269,41 @@ def _evaluation_programs(setting: Setting, shapes: _Shapes, rollouts: int) -> Ev
     parameters = _learner_shapes(setting, shapes).parameters
     states, schedules = _state_and_schedule(setting, rollouts)
     key = jax.eval_shape(lambda: jax.random.key(0))
-    jobs = (
-        (partial(choose_schedules, setting), (shapes.struct, parameters, key, states)),
-        (partial(roll_out, setting), (shapes.struct, parameters, states, schedules)),
-        (partial(_initial, setting, rollouts), (shapes.struct, key)),
+    choose = jax.jit(partial(choose_schedules, setting))
+    initial = jax.jit(partial(_initial, setting, rollouts))
+    traced = (
+        choose.trace(shapes.struct, parameters, key, states),
+        initial.trace(shapes.struct, key),
     )
-    with ThreadPoolExecutor(2) as pool:
-        compiled = pool.map(lambda job: _compile(jax.jit(job[0]).trace(*job[1])), jobs)
-        choose, roll, initial = compiled
-    return EvaluationPrograms(initial, choose, roll)
+    rolled = (shapes.struct, parameters, states, schedules)
+    physics = physics_of(setting.robot)
+    if physics is None:
+        traced += (jax.jit(partial(roll_out, setting)).trace(*rolled),)
+        compiled_choose, compiled_initial, roll = _compile_all(*traced)
+        return EvaluationPrograms(compiled_initial, compiled_choose, roll)
+    traced += _physical_rollout(_measured(setting), *rolled)
+    compiled_choose, compiled_initial, *pieces = _compile_all(*traced)
+    roll = partial(roll_out_in_physics, physics, RolloutPieces(*pieces), setting.steps)
+    return EvaluationPrograms(compiled_initial, compiled_choose, roll)
+
+
+def _physical_rollout(setting: Setting, problem, parameters, states, schedules) -> tuple[Any, ...]:
+    """Traced `RolloutPieces`."""
+    trace, _ = _state_and_schedule(setting, setting.steps + 1, states.shape[0])
+    departed = jax.jit(partial(depart, setting)).trace(problem, parameters, states, schedules)
+    course = departed.out_info
+    proceeding = jax.jit(partial(proceed, setting))
+    margins = jax.jit(partial(trace_margins, setting))
+    return (
+        departed,
+        proceeding.trace(problem, parameters, course, states),
+        margins.trace(problem, trace),
+    )
+
+
+def _measured(setting: Setting) -> Setting:
+    """The setting in which the measured state is handed in, in the action's place."""
+    return setting._replace(robot=cast(Robot, MeasuredRobot(setting.robot)))
 
 
 @cache
@@ -227,6 +312,12 @@ def _scoring_program(setting: Setting, shapes: _Shapes, count: int) -> Callable:
     (state, _), (_, schedules) = _state_and_schedule(setting), _state_and_schedule(setting, count)
     score = jax.jit(partial(_score, setting))
     return _compile(score.trace(shapes.struct, parameters, state, schedules))
+
+
+def _compile_all(*traced: Any) -> list[Any]:
+    """Compile traced functions side by side."""
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(_compile, traced))
 
 
 def _compile(traced: Any) -> Any:

@@ -150,30 +150,59 @@ class Rollout(NamedTuple):
     margins: Array  # [L + 1, R, A] margins of the atoms [m]
 
 
+class Course(NamedTuple):
+    """R rollouts under way: where they stand and what the policy wants next."""
+
+    grounded: Grounded  # [R]
+    view: View  # [R]
+    action: Array  # [R, m] mean action, before clipping
+
+
+def depart(
+    setting: Setting, problem: Problem, parameters: Parameters, states: Array, schedules: Array
+) -> Course:
+    """Rollouts of schedules [R, V] at their initial states [R, n]."""
+    positions = jax.vmap(setting.robot.position)(states)
+    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(setting, problem, positions, schedules)
+    view = jax.vmap(begin, (None, None, 0, 0, None))(
+        setting, problem, grounded, states, jnp.float32(0)
+    )
+    return Course(grounded, view, setting.networks.action(parameters, view.policy))
+
+
+def proceed(
+    setting: Setting, problem: Problem, parameters: Parameters, course: Course, command: Array
+) -> Course:
+    """One step of all rollouts; the command is what `step` takes: actions [R, m], as a rule."""
+    view, _, _ = jax.vmap(advance, (None, None, 0, 0, 0))(
+        setting, problem, course.grounded, course.view, command
+    )
+    action = setting.networks.action(parameters, view.policy)
+    return course._replace(view=view, action=action)
+
+
+def trace_margins(setting: Setting, problem: Problem, states: Array) -> Array:
+    """Margins of the atoms [L, R, A] in states [L, R, n], in [m]."""
+    flat = states.reshape(-1, states.shape[-1])
+    margins, _ = jax.vmap(
+        lambda x: setting.world.margins(problem.world, setting.robot.position(x))
+    )(flat)
+    return margins.reshape(*states.shape[:2], -1)
+
+
 def roll_out(
     setting: Setting, problem: Problem, parameters: Parameters, states: Array, schedules: Array
 ) -> Rollout:
     """Carry out schedules [R, V] from states [R, n] with the mean action."""
-    positions = jax.vmap(setting.robot.position)(states)
-    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(setting, problem, positions, schedules)
-    start = jax.vmap(begin, (None, None, 0, 0, None))(
-        setting, problem, grounded, states, jnp.float32(0)
-    )
 
-    def step(view, _):
-        action = setting.networks.action(parameters, view.policy)
-        after, _, _ = jax.vmap(advance, (None, None, 0, 0, 0))(
-            setting, problem, grounded, view, action
-        )
-        return after, (after.episode.state, action)
+    def step(course, _):
+        after = proceed(setting, problem, parameters, course, course.action)
+        return after, (after.view.episode.state, course.action)
 
+    start = depart(setting, problem, parameters, states, schedules)
     _, (visited, actions) = jax.lax.scan(step, start, None, length=setting.steps)
     visited = jnp.concatenate([states[None], visited])
-    flat = visited.reshape(-1, visited.shape[-1])
-    margins, _ = jax.vmap(
-        lambda x: setting.world.margins(problem.world, setting.robot.position(x))
-    )(flat)
-    return Rollout(visited, actions, margins.reshape(*visited.shape[:2], -1))
+    return Rollout(visited, actions, trace_margins(setting, problem, visited))
 
 
 def choose_schedules(

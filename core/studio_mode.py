@@ -5,6 +5,8 @@ time alone: the number of subgoals whose windows have closed. The robot travels 
 subgoal that opens, or stays in the one that is open. Windows may overlap; an open stay then acts
 as a constraint on the way to the next subgoal.
 
+A simulation that breaks down ends its episode like a violation.
+
 Reward: shape * (distance before - distance after) along the geodesic field of the present leg
 (potential shaping; lengths in units of the robot's), lambda_2 per subgoal, lambda_3 for the last
 one, lambda_4 for a violation.
@@ -16,7 +18,14 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from core.episode import Checks, Episode, check, worst_open, worst_open_constraint
+from core.episode import (
+    Checks,
+    Episode,
+    check,
+    is_sound,
+    worst_open,
+    worst_open_constraint,
+)
 from core.problem import Problem, closed_doors, extended_margins
 from core.protocols import Array, Robot, World
 from core.windows import Windows, field_index
@@ -84,7 +93,8 @@ class StudioMode:
         state = robot.step(episode.state, action)
         tau = episode.tau + 1
         after = self._sense(robot, world, problem, windows, state, tau)
-        worst = worst_open(after.checks)
+        sound = is_sound(state)
+        worst = jnp.where(sound, worst_open(after.checks), -jnp.inf)
         alive = (worst >= 0).astype(jnp.float32) * episode.alive
         progress = jnp.where(alive > 0, (windows.end <= tau).sum(), episode.progress)
         gained = progress - episode.progress
@@ -98,6 +108,7 @@ class StudioMode:
             + self.success * ((progress == windows.count) & (gained > 0))
             + self.violation * (worst_open_constraint(after.checks) < 0)
         )
+        reward = jnp.where(sound, reward, self.violation)
         following = Episode(
             state,
             tau,

@@ -73,6 +73,8 @@ class Progress:
     """Share of the epoch's first episodes (noisy actions, mixed schedules) that succeeded."""
     batch_return: float
     """Mean reward per step."""
+    diverged: int
+    """Simulations of the epoch that broke down; their episodes count as failed."""
     evaluation: Evaluation | None
     """The evaluation made after this epoch, if one was due."""
     state: RunState
@@ -105,7 +107,7 @@ def train(task: Task, config: TrainingConfig, resume: RunState | None = None) ->
     began = time.perf_counter() - float(state.seconds)
     while not _done(state, config, began):
         epoch = int(state.epoch) + 1
-        learner, batch = _epoch(task, problems(epoch), programs, algorithm, state.learner)
+        learner, batch = _epoch(task, problems(epoch), programs, algorithm, state.learner, epoch)
         evaluation = None
         if epoch % config.evaluate_every == 0 or epoch == config.epochs:
             key = jax.random.fold_in(jax.random.key(config.seed), 2**20 + epoch)
@@ -119,6 +121,7 @@ def train(task: Task, config: TrainingConfig, resume: RunState | None = None) ->
             compile_seconds,
             float(np.mean(np.asarray(batch.success))),
             float(np.mean(np.asarray(batch.reward))),
+            int(batch.diverged),
             evaluation,
             state,
         )
@@ -155,8 +158,11 @@ def _epoch(
     programs: TrainingPrograms,
     algorithm: Algorithm,
     learner: LearnerState,
+    epoch: int,
 ) -> tuple[LearnerState, Batch]:
-    batch = programs.collect(problem, learner)
+    in_model = epoch <= algorithm.model_epochs
+    collect = programs.collect if in_model else programs.collect_in_physics
+    batch = collect(problem, learner)
     if isinstance(algorithm.mode, PaperMode):
         batch = _with_terminal_robustness(task, batch, algorithm.mode.scale)
     return programs.update(learner, batch), batch
@@ -167,7 +173,8 @@ def _with_terminal_robustness(task: Task, batch: Batch, scale: float) -> Batch:
     positions = batch.position
     margins = _margins(task, positions)
     score = trace_robustness(task, margins)
-    reward = batch.reward.at[task.horizon - 1].add(scale * jnp.asarray(score, jnp.float32))
+    final = np.where(np.isfinite(score), score, 0.0)  # who broke down has been punished
+    reward = jnp.asarray(batch.reward).at[task.horizon - 1].add(scale * jnp.float32(final))
     return batch._replace(reward=reward, robustness=jnp.asarray(score, jnp.float32))
 
 

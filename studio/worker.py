@@ -42,6 +42,8 @@ class Point:
     """Of the last evaluation so far, NaN before the first."""
     batch_return: float = 0.0
     """Mean reward per step."""
+    diverged: int = 0
+    """Simulations that broke down; their episodes have failed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,4 +267,6 @@ def _point(progress: Progress, curve: list[Point]) -> Point:
         success = progress.evaluation.success_rate
     else:
         success = curve[-1].success if curve else float("nan")
-    return Point(progress.epoch, progress.batch_success, success, progress.batch_return)
+    return Point(
+        progress.epoch, progress.batch_success, success, progress.batch_return, progress.diverged
+    )

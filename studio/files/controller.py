@@ -24,6 +24,7 @@ from core.algorithm import Algorithm
 from core.episode import Episode
 from core.grounding import MAX_SUBGOALS, MAX_VARIABLES
 from core.networks import Parameters
+from core.physics import MeasuredRobot
 from core.problem import Problem
 from core.protocols import Array, Robot, World
 from core.rollout import Grounded, Setting, View, advance, begin, score_schedules
@@ -40,21 +41,6 @@ class Controller(NamedTuple):
     score: Callable[[Array, Array], Array]
     start: Callable[[Array, Array], tuple[Array, ...]]
     step: Callable[[tuple[Array, ...], Array], tuple[tuple[Array, ...], Array]]
-
-
-@dataclass(frozen=True)
-class _MeasuredRobot:
-    """A robot whose next state is handed in, in the action's place, instead of simulated."""
-
-    robot: Robot
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.robot, name)
-
-    def step(self, state: Array, measured: Array) -> Array:
-        """The measured state."""
-        del state
-        return measured
 
 
 @dataclass(frozen=True)
@@ -76,7 +62,7 @@ class _CompactWorld:
 def make_controller(task: Task, algorithm: Algorithm, parameters: Parameters) -> Controller:
     """Controller of a task; one call of `step` per step of the robot, from step 0 on."""
     problem = _compact(task.problem)
-    robot = cast(Robot, _MeasuredRobot(task.robot))
+    robot = cast(Robot, MeasuredRobot(task.robot))
     setting = Setting(robot, _CompactWorld(task.world), algorithm, task.steps)
 
     def pad(schedule: Array) -> Array:

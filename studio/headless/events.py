@@ -21,6 +21,7 @@ CURVES = {
     "success_rate": "success/evaluation",
     "robustness_mean": "robustness/evaluation",
     "batch_return": "reward/step",
+    "diverged": "simulations/diverged",
     "train_seconds": "time/train_seconds",
 }
 """TensorBoard's names of the metrics."""

@@ -90,6 +90,10 @@ class BarReporter:
             epoch=f"epoch {epoch}/{training.epochs}",
             left=f"at most {_duration(left)} left",
         )
+        if metrics["diverged"]:
+            self.note(
+                f"epoch {epoch}: {metrics['diverged']} simulations broke down and have failed"
+            )
 
     def note(self, text: str) -> None:
         """Print above the bar."""

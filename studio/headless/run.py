@@ -228,6 +228,7 @@ def report(progress: Progress) -> dict[str, Any]:
             "compile_seconds": round(progress.compile_seconds, 3),
             "batch_success": progress.batch_success,
             "batch_return": progress.batch_return,
+            "diverged": progress.diverged,
             "success_rate": None if evaluation is None else evaluation.success_rate,
             "robustness_mean": None if evaluation is None else evaluation.robustness_mean,
         }

@@ -49,7 +49,17 @@ def status_html(session: Session) -> str:
     )
     if cards:
         cards = f'<div class="tg-cards" style="margin-top:0.4em">{cards}</div>'
-    return f'<div class="tg tg-training"><div>{sentence}</div>{cards}</div>'
+    broken = _broken_down(training)
+    return f'<div class="tg tg-training"><div>{sentence}</div>{cards}{broken}</div>'
+
+
+def _broken_down(training: Training) -> str:
+    """How many simulations broke down so far, if any did."""
+    count = sum(point.diverged for point in training.curve)
+    if not count:
+        return ""
+    what = "simulation has" if count == 1 else "simulations have"
+    return f'<div class="tg-note tg-warn">{count:,} {what} broken down; they count as failed.</div>'
 
 
 def _numbers(training: Training) -> list[tuple[str, str]]:

@@ -28,6 +28,7 @@ def studio(monkeypatch):
         train_seconds=0.1,
         batch_success=0.5,
         batch_return=0.0,
+        diverged=0,
         evaluation=SimpleNamespace(success_rate=1.0, robustness_mean=0.1),
         parameters="weights",
         state=SimpleNamespace(best="best", best_success=1.0, learner=SimpleNamespace(chains=None)),

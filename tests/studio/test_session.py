@@ -27,6 +27,7 @@ def session(monkeypatch):
         train_seconds=0.1,
         batch_success=0.5,
         batch_return=0.0,
+        diverged=0,
         evaluation=SimpleNamespace(success_rate=1.0),
         parameters="weights",
         state=state,

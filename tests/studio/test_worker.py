@@ -28,6 +28,7 @@ def progress(epoch, success=None, best="best"):
         train_seconds=0.5 * epoch,
         batch_success=0.1 * epoch,
         batch_return=0.0,
+        diverged=0,
         evaluation=evaluation,
         parameters=f"weights{epoch}",
         state=state,

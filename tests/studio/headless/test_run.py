@@ -107,7 +107,7 @@ def test_tensorboard_reads_the_curves(tmp_path, config, linear_task, history):
     assert [step for step, _ in evaluated] == [2, 4]
     assert {tag for _, tag, _ in points} == {
         *("success/episodes", "success/evaluation", "robustness/evaluation"),
-        *("reward/step", "time/train_seconds"),
+        *("reward/step", "time/train_seconds", "simulations/diverged"),
     }
     rewards = [value for _, tag, value in points if tag == "reward/step"]
     np.testing.assert_allclose(rewards, [p.batch_return for p in history], rtol=1e-6)
