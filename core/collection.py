@@ -271,7 +271,7 @@ def collect_layouts(
         return leaf.reshape(*leaf.shape[:axis], -1, *leaf.shape[axis + 2 :])
 
     fields = [merged(leaf, axis) for leaf, axis in zip(batch[:-1], axes, strict=False)]
-    return Batch(*fields, batch.diverged.sum())
+    return Batch._make([*fields, batch.diverged.sum()])
 
 
 def _where(mask: Array, new: Array, old: Array) -> Array:

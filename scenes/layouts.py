@@ -72,17 +72,23 @@ def perturbed(
     low, high = _workspace(world)
     if perturbation.mirror:
         scene = _mirrored(scene, (random.random(low.size) < 0.5) & np.isclose(low, -high))
-    walls = [region for region in scene.regions if _faces(region, low, high).any()]
-    groups = _groups(scene, goals, walls, low, high)
+    standing = walls(scene, world)
+    groups = _groups(scene, goals, standing, low, high)
     shift = perturbation.shift * (high - low)
     for attempt in range(RESTARTS * 8):
         extent = shift * 0.7 ** (attempt // RESTARTS)
-        found = _arrange(groups, walls, world, (low, high), extent, perturbation.scale, random)
+        found = _arrange(groups, standing, world, (low, high), extent, perturbation.scale, random)
         if found is not None:
             moved = {id(before): after for before, after in found}
             regions = tuple(moved.get(id(region), region) for region in scene.regions)
             return replace(scene, regions=regions, initial=moved[id(scene.initial)])
     return scene
+
+
+def walls(scene: Scene, world: GridWorld) -> list[Region]:
+    """Boxes that cover a whole face of the workspace."""
+    low, high = _workspace(world)
+    return [region for region in scene.regions if _faces(region, low, high).any()]
 
 
 def separation(first: Region, second: Region) -> float:
@@ -127,27 +133,27 @@ def _faces(region: Region, low: np.ndarray, high: np.ndarray) -> np.ndarray:
 
 
 def _free_axes(
-    region: Region, walls: list[Region], low: np.ndarray, high: np.ndarray
+    region: Region, standing: list[Region], low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
     """Axes [d] along which a region may move: those that lead to no wall that it touches."""
     free = np.ones(len(low), bool)
-    for wall in walls:
+    for wall in standing:
         if separation(region, wall) <= TOUCHING:
             free &= ~_faces(wall, low, high).any(0)
     return free
 
 
 def _groups(
-    scene: Scene, goals: Collection[str], walls: list[Region], low: np.ndarray, high: np.ndarray
+    scene: Scene, goals: Collection[str], standing: list[Region], low: np.ndarray, high: np.ndarray
 ) -> list[_Group]:
     """What moves together: obstacles first, because goals find a place among them easily."""
 
     def group(regions: list[Region], goal: bool) -> _Group:
-        free = [_free_axes(region, walls, low, high) for region in regions]
+        free = [_free_axes(region, standing, low, high) for region in regions]
         return _Group(tuple(regions), np.all(free, axis=0), goal)
 
     wanted = [region for region in scene.regions if region.name in goals]
-    others = [r for r in scene.regions if r not in wanted and r not in walls]
+    others = [r for r in scene.regions if r not in wanted and r not in standing]
     return [
         *(group(regions, False) for regions in _touching(others)),
         *(group(regions, True) for regions in _touching(wanted)),
@@ -167,7 +173,7 @@ def _touching(regions: list[Region]) -> list[list[Region]]:
 
 def _arrange(
     groups: Sequence[_Group],
-    walls: list[Region],
+    standing: list[Region],
     world: GridWorld,
     workspace: tuple[np.ndarray, np.ndarray],
     extent: np.ndarray,
@@ -178,7 +184,7 @@ def _arrange(
 
     Shifts are uniform in [-extent, extent] [d], [m].
     """
-    placed = [(wall, wall, False) for wall in walls]
+    placed = [(wall, wall, False) for wall in standing]
     clearance = world.clearance + world.inset
 
     def fits(before: Region, after: Region, goal: bool) -> bool:

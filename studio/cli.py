@@ -42,6 +42,10 @@ class Options:
     formula: Annotated[str | None, _shown("TEXT")] = None
     """A formula instead of the task's own."""
 
+    variant: Annotated[str | None, _shown("NAME", "the scene's")] = None
+    """Another reading of the robot: links (panda) holds obstacles against the whole arm, raw-motors
+    (quadrotor) acts by motor forces."""
+
     train_only: Flag = False
     """Train without the page. Ends with one JSON line."""
     method: Literal["tgpo", "tgpo-star"] = "tgpo-star"
@@ -89,9 +93,11 @@ MOST_LAYOUTS = 1000
 BUDGET = {"epochs", "time_limit", "target"}
 ALLOWED = {
     "list": {"list"},
-    "evaluate": TASK | {"evaluate", "seed", "layouts"},
+    "evaluate": TASK | {"evaluate", "seed", "layouts", "variant"},
     "resume": BUDGET | {"resume", "train_only", "no_cache"},
-    "train_only": TASK | BUDGET | {"train_only", "method", "mode", "seed", "randomize", "out"},
+    "train_only": TASK
+    | BUDGET
+    | {"train_only", "method", "mode", "seed", "randomize", "variant", "out"},
     "page": TASK | {"host", "port", "token", "load", "no_browser"},
 }
 """Options that have a meaning for each action; the first action that is asked for counts."""

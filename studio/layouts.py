@@ -37,7 +37,7 @@ MOST_MISSED = 0.02
 HELD_OUT, VALIDATION = 2**32 - 1, 2**32 - 2
 """Streams of layouts beside those of the training's seeds: to report on, to stop by."""
 
-VALIDATIONS = 3
+VALIDATIONS = 7
 """Layouts that a training is evaluated on beside the task's own."""
 
 TRIES = 100

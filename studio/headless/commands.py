@@ -105,7 +105,7 @@ def list_tasks() -> int:
 
 
 def chosen_scene(options: "Options", default: Scene | None = None) -> Scene:
-    """The scene of --task or --scene, with the formula of --formula.
+    """The scene of --task or --scene, with --formula and --variant.
 
     Raises:
         UserError: there is no such task or scene file, or it is malformed.
@@ -120,6 +120,8 @@ def chosen_scene(options: "Options", default: Scene | None = None) -> Scene:
         raise UserError("give --task NAME or --scene FILE.stl.toml; --list prints the tasks")
     if options.formula is not None:
         scene = replace(scene, formula=options.formula.strip())
+    if options.variant is not None:
+        scene = replace(scene, variant=options.variant)
     return scene
 
 

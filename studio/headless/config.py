@@ -90,6 +90,8 @@ def make_config(
         UserError: a value that is not allowed.
     """
     algorithm = make_algorithm(mode, method, scene.robot)  # pyright: ignore[reportArgumentType]
+    if mode == "paper" and scene.variant == "links":
+        raise RunError("the paper's mode looks at the end effector alone. Available: ['studio']")
     if randomize:
         algorithm = many_layouts(algorithm)
     default = TrainingConfig(

@@ -1,6 +1,7 @@
 """Learning on many layouts: which ones an epoch sees, and that they do not mix."""
 
 from dataclasses import replace
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -14,12 +15,12 @@ from scenes import load_task
 from studio.layouts import Drawing
 
 
-def _source(number: int):
+def _source(number: int) -> Any:
     return {"number": jnp.int32(number), "table": jnp.full((2, 3), number, jnp.float32)}
 
 
 def _numbers(stack, epoch: int) -> list[int]:
-    problems = stack.at(epoch)
+    problems: Any = stack.at(epoch)
     numbers = np.asarray(problems["number"])
     np.testing.assert_array_equal(problems["table"][:, 1, 2], numbers)
     return numbers.tolist()
@@ -40,7 +41,7 @@ def test_a_run_that_goes_on_sees_the_same_layouts(fresh):
 
 
 def test_an_error_of_the_source_reaches_the_caller():
-    def broken(number: int):
+    def broken(number: int) -> Any:
         raise ValueError(f"layout {number}")
 
     with pytest.raises(ValueError, match="layout 0"):
