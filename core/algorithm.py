@@ -55,6 +55,11 @@ class Algorithm:
     choice_candidates: int = 64
     """Schedules that the critic chooses from at inference."""
 
+    layouts: int = 1
+    """Layouts that the environments of an epoch are dealt to; 1 learns on the task's own alone."""
+    fresh_layouts: int = 0
+    """Layouts among them that are new in every epoch."""
+
     def preference(self, value, shortfall):
         """By which schedules are sampled and chosen: V(s_0, t), less for legs that are too short.
 
@@ -65,7 +70,7 @@ class Algorithm:
     @property
     def count_mcmc(self) -> int:
         """Episodes of an epoch whose schedules come from the chains."""
-        return round(self.environments * self.share_mcmc)
+        return self.layouts * round(self.environments // self.layouts * self.share_mcmc)
 
     @property
     def count_elite(self) -> int:
@@ -96,6 +101,17 @@ STUDIO = {
     "ant": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3),
 }
 """Studio presets of robots that the default serves badly: they cannot stop at once."""
+
+
+def many_layouts(algorithm: Algorithm) -> Algorithm:
+    """The algorithm, learning on many layouts of a task, some of them new in every epoch.
+
+    Raises:
+        UserError: the paper's mode, which knows one layout.
+    """
+    if isinstance(algorithm.mode, PaperMode):
+        raise UserError("the paper's mode learns one layout alone. Available: ['studio']")
+    return replace(algorithm, layouts=16, fresh_layouts=1)
 
 
 def make_algorithm(mode: ModeName, method: MethodName, robot: str) -> Algorithm:
