@@ -55,8 +55,9 @@ def test_a_click_on_the_map_moves_the_robot(studio, page, robot):
 
     def schedule():
         recording = session.player.recording
-        shown = recording is not None and recording.task.name == f"{robot}-demo"
-        return recording.schedule if shown else None
+        if recording is None or recording.task.name != f"{robot}-demo":
+            return None
+        return recording.schedule
 
     assert wait_for(lambda: schedule() is not None, timeout=240)
     page.wait_for_selector("image.tg-cells")
