@@ -52,6 +52,8 @@ class Algorithm:
     prune_candidates: int = 32
     reserve: float = 1.2
     """Planned duration of a leg over the shortest possible one."""
+    evaluation_states: int = 512
+    """Initial states of an evaluation while training; the final one has 512 in any case."""
     choice_candidates: int = 64
     """Schedules that the critic chooses from at inference."""
 
@@ -98,9 +100,15 @@ PAPER_VIOLATION = {"unicycle": -3.5, "ant": -1.5}
 
 STUDIO = {
     "quadrotor": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3),
-    "ant": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3),
+    "ant": Algorithm(
+        mode=StudioMode(gradual_stays=True),
+        learning_rate=2.5e-3,
+        model_epochs=50,
+        evaluation_states=128,
+    ),
 }
-"""Studio presets of robots that the default serves badly: they cannot stop at once."""
+"""Studio presets of robots that the default serves badly: they cannot stop at once, and the ant's
+true physics costs ten times as much as its model."""
 
 
 def many_layouts(algorithm: Algorithm) -> Algorithm:

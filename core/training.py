@@ -46,7 +46,7 @@ class TrainingConfig:
     target: float = 0.995
     """Stop at an evaluation of at least this success rate; above 1 trains to the end."""
     evaluate_every: int = 5
-    """Epochs between evaluations of 512 rollouts."""
+    """Epochs between evaluations."""
 
 
 class RunState(NamedTuple):
@@ -100,7 +100,9 @@ def train(task: Task, config: TrainingConfig, resume: RunState | None = None) ->
     problems = epoch_problems(task, algorithm, int(state.epoch) + 1)
     compiling = time.perf_counter()
     with ThreadPoolExecutor(1) as pool:
-        evaluators_job = pool.submit(evaluation_programs, task, algorithm)
+        evaluators_job = pool.submit(
+            evaluation_programs, task, algorithm, algorithm.evaluation_states
+        )
         programs = training_programs(task, algorithm)
         evaluators = evaluators_job.result()
     compile_seconds = time.perf_counter() - compiling

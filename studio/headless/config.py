@@ -29,6 +29,9 @@ FORMAT = 1
 EPOCHS = {"studio": 200, "paper": 1000}
 """Most epochs of a run by default; Table A.1 for `paper` (Linear, Unicycle)."""
 
+STUDIO_EPOCHS = {"ant": 60}
+"""The same in studio mode for robots whose last epochs are dear."""
+
 
 class RunError(UserError):
     """A run directory that cannot be made, read or continued."""
@@ -94,8 +97,11 @@ def make_config(
         raise RunError("the paper's mode looks at the end effector alone. Available: ['studio']")
     if randomize:
         algorithm = many_layouts(algorithm)
+    default_epochs = EPOCHS[mode]
+    if mode == "studio":
+        default_epochs = STUDIO_EPOCHS.get(scene.robot, default_epochs)
     default = TrainingConfig(
-        algorithm, seed=scene.seed if seed is None else seed, epochs=EPOCHS[mode]
+        algorithm, seed=scene.seed if seed is None else seed, epochs=default_epochs
     )
     training = with_budget(default, epochs=epochs, time_limit=time_limit, target=target)
     return RunConfig(scene, mode, method, training)
