@@ -96,8 +96,11 @@ PAPER = Algorithm(
 PAPER_VIOLATION = {"unicycle": -3.5, "ant": -1.5}
 """lambda_4 of Table A.1 where it is not -3."""
 
-STUDIO = {"quadrotor": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3)}
-"""Studio presets of robots that the default serves badly: a quadrotor cannot stop at once."""
+STUDIO = {
+    "quadrotor": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3),
+    "ant": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3),
+}
+"""Studio presets of robots that the default serves badly: they cannot stop at once."""
 
 
 def many_layouts(algorithm: Algorithm) -> Algorithm:

@@ -2,6 +2,7 @@
 
 from types import MappingProxyType
 
+from envs.ant import Ant
 from envs.linear import Linear
 from envs.panda import Panda
 from envs.quadrotor import Quadrotor
@@ -9,7 +10,7 @@ from envs.robot import Robot
 from envs.unicycle import Unicycle
 
 ENVS: MappingProxyType[str, Robot] = MappingProxyType(
-    {robot.name: robot for robot in (Linear(), Unicycle(), Panda(), Quadrotor())}
+    {robot.name: robot for robot in (Linear(), Unicycle(), Panda(), Quadrotor(), Ant())}
 )
 """The robots by name."""
 
@@ -24,4 +25,14 @@ def make_robot(name: str, variant: str = "") -> Robot:
     return VARIANTS[variant] if variant else ENVS[name]
 
 
-__all__ = ["ENVS", "VARIANTS", "Linear", "Panda", "Quadrotor", "Robot", "Unicycle", "make_robot"]
+__all__ = [
+    "ENVS",
+    "VARIANTS",
+    "Ant",
+    "Linear",
+    "Panda",
+    "Quadrotor",
+    "Robot",
+    "Unicycle",
+    "make_robot",
+]

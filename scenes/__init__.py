@@ -6,6 +6,7 @@ from scenes.regions import Region, SceneError
 from scenes.scene import (
     WORKSPACE_DIMENSION,
     Scene,
+    demo_names,
     format_scene,
     load_scene,
     load_task,
@@ -15,6 +16,7 @@ from scenes.scene import (
 )
 from scenes.world import (
     AIRSPACE,
+    COURTYARD,
     PLANAR,
     TABLETOP,
     GoalGeometry,
@@ -25,6 +27,7 @@ from scenes.world import (
 
 __all__ = [
     "AIRSPACE",
+    "COURTYARD",
     "PLANAR",
     "TABLETOP",
     "WORKSPACE_DIMENSION",
@@ -34,6 +37,7 @@ __all__ = [
     "RegionArrays",
     "Scene",
     "SceneError",
+    "demo_names",
     "format_scene",
     "goal_geometry",
     "load_scene",

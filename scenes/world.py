@@ -77,6 +77,10 @@ TABLETOP = GridWorld(Grid((0.1, -0.7, 0.0), 0.04, (20, 36, 26)), clearance=0.03,
 """The space [0.1, 0.86] x [-0.7, 0.7] x [0, 1] m in front of the arm."""
 
 
+COURTYARD = GridWorld(Grid((-3.0, -3.0), 0.1, (61, 61)), clearance=0.2, inset=0.15)
+"""The arena [-3, 3]^2 m of the ant."""
+
+
 class GoalGeometry(NamedTuple):
     """Host-side geometry of the subgoals, G of them, M combinations of obstacles."""
 

@@ -14,6 +14,7 @@ from core.task import Task
 from envs import Robot, make_robot
 from scenes import (
     AIRSPACE,
+    COURTYARD,
     PLANAR,
     TABLETOP,
     GoalGeometry,
@@ -29,6 +30,7 @@ WORLDS: dict[str, GridWorld] = {
     "unicycle": PLANAR,
     "panda": TABLETOP,
     "quadrotor": AIRSPACE,
+    "ant": COURTYARD,
 }
 """Workspace by robot."""
 

@@ -15,6 +15,7 @@ AXES = {
     "linear": (AXIS, AXIS),
     "unicycle": (AXIS, AXIS),
     "panda": (np.arange(0.1, 0.88, 0.03), np.arange(-0.69, 0.7, 0.03), np.arange(0, 1.0, 0.03)),
+    "ant": (np.linspace(-3, 3, 61), np.linspace(-3, 3, 61)),
     "quadrotor": (np.linspace(-5, 5, 41), np.linspace(-5, 5, 41), np.linspace(0, 5, 21)),
 }
 """Nodes in [m] of each robot's planning grid on each axis, equally spaced."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from scenes import Scene
+from scenes.scene import DEMO
 from tests.scenes.geometry import at, distance_from
 
 WALLS = {2: {"B1", "B2", "B3", "B4"}, 3: {"W1", "W2", "W3", "W4", "W5", "W6"}}
@@ -75,15 +76,50 @@ SPATIAL_PLANS = PLANS | {
     ],
 }
 
-
-def number(scene: Scene) -> int:
-    """The number of a shipped task: 8 for `linear-08`."""
-    return int(scene.name.rsplit("-", 1)[1])
+ANT_PLANS = {
+    1: [Visit("A", 114, 184)],
+    2: [Visit("A", 20, 120), Visit("C", 140, 140, stay=40)],
+    3: [Visit("A", 20, 120), Visit("C", 100, 140), Visit("D", 160, 160, stay=20)],
+    4: [
+        Visit("A", 20, 120),
+        Visit("C", 100, 120),
+        Visit("D", 120, 120, stay=20),
+        Visit("F", 160, 180),
+    ],
+    5: [
+        Visit("A", 20, 80),
+        Visit("C", 80, 120),
+        Visit("D", 120, 120, stay=20),
+        Visit("F", 160, 180),
+        Visit("H", 170, 196),
+    ],
+    6: [Visit("A", 20, 180)],
+    7: [Visit("A1", 0, 180), Visit("A2", 80, 160)],
+    8: [Visit("A1", 0, 180), Visit("A2", 80, 160), Visit("A3", 20, 40, stay=20, base=1)],
+    9: [
+        Visit("A1", 10, 40),
+        Visit("A2", 20, 40, stay=10, base=0),
+        Visit("A3", 20, 60, stay=10, base=1),
+        Visit("A4", 20, 60, stay=20, base=1),
+    ],
+    10: [
+        Visit("K1", 0, 200, doors=frozenset({"D1", "D2", "D3"})),
+        Visit("K2", 0, 200, doors=frozenset({"D2", "D3"})),
+        Visit("K3", 0, 200, doors=frozenset({"D3"})),
+        Visit("G", 160, 180, stay=10),
+    ],
+}
 
 
 def plan_of(scene: Scene) -> list[Visit]:
-    """The plan of a shipped task."""
-    return (PLANS if scene.dimension == 2 else SPATIAL_PLANS)[number(scene)]
+    """The plan of a shipped task or demo."""
+    if scene.name.endswith(DEMO):
+        last = 160 if scene.robot == "ant" else 80
+        return [Visit("A1", 0, last), Visit("A2", 0, last)]
+    number = int(scene.name.rsplit("-", 1)[1])
+    if scene.robot == "ant":
+        return ANT_PLANS[number]
+    return (PLANS if scene.dimension == 2 else SPATIAL_PLANS)[number]
 
 
 def obstacles(scene: Scene) -> set[str]:

@@ -1,0 +1,1 @@
+"""Training of the ant's gait: `python -m tests.tools.gait`."""
