@@ -262,7 +262,7 @@ def collect_layouts(
     )(
         problems,
         parameters,
-        chains.reshape(count, dealt.count_mcmc, -1),
+        chains.reshape(count, dealt.count_mcmc, chains.shape[-1]),
         elite,
         jax.random.split(key, count),
     )

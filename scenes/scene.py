@@ -35,11 +35,11 @@ WORKSPACE_DIMENSION = MappingProxyType(
 )
 """Dimension of the space in which each robot's regions live (a test holds it equal to `ENVS`)."""
 
-DEMO = "-demo"
-"""Ends the name of a robot's demo, beside the numbers of the paper's tasks."""
-
 VARIANTS = MappingProxyType({"panda": ("links",), "quadrotor": ("raw-motors",)})
 """Other readings of the robots (a test holds the names equal to those of `envs.VARIANTS`)."""
+
+DEMO = "-demo"
+"""Ends the name of a robot's demo, beside the numbers of the paper's tasks."""
 
 LARGEST_FILE = 1_000_000  # bytes
 LONGEST_FORMULA = 10_000  # characters, as in the parser
