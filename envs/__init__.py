@@ -15,7 +15,12 @@ ENVS: MappingProxyType[str, Robot] = MappingProxyType(
 """The robots by name."""
 
 VARIANTS: MappingProxyType[str, Robot] = MappingProxyType(
-    {"links": Panda(links=True), "raw-motors": Quadrotor(raw_motors=True)}
+    {
+        "links": Panda(links=True),
+        "raw-motors": Quadrotor(raw_motors=True),
+        "native": Ant(simulator="native"),
+        "mjx": Ant(simulator="mjx"),
+    }
 )
 """Other readings of robots, by the names that scenes give them."""
 

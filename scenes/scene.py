@@ -35,7 +35,9 @@ WORKSPACE_DIMENSION = MappingProxyType(
 )
 """Dimension of the space in which each robot's regions live (a test holds it equal to `ENVS`)."""
 
-VARIANTS = MappingProxyType({"panda": ("links",), "quadrotor": ("raw-motors",)})
+VARIANTS = MappingProxyType(
+    {"panda": ("links",), "quadrotor": ("raw-motors",), "ant": ("native", "mjx")}
+)
 """Other readings of the robots (a test holds the names equal to those of `envs.VARIANTS`)."""
 
 DEMO = "-demo"
