@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: studio test lint types unit browser benchmark screenshots clean
+.PHONY: studio test lint types unit browser benchmark screenshots gallery clean
 
 studio: $(VENV)/.installed
 	$(BIN)/tgpo-studio $(ARGS)
@@ -28,6 +28,9 @@ benchmark: $(VENV)/.installed-dev
 
 screenshots: $(VENV)/.installed-dev browser
 	$(BIN)/python -m tests.tools.screenshots $(ARGS)
+
+gallery: $(VENV)/.installed-dev
+	$(BIN)/python -m tests.tools.gallery $(ARGS)
 
 $(VENV)/.installed: pyproject.toml requirements.lock | $(VENV)
 	$(BIN)/pip install --quiet --constraint requirements.lock --editable .

@@ -102,11 +102,19 @@ class Panda:
 
     def kinematics(self, state: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         """Axes [..., 7, 3] and origins [..., 7, 3] of the joints, tip [..., 3] of the tool."""
+        turns, origins, tip = self.frames(state)
+        return turns[..., 2], origins, tip
+
+    def frames(self, state: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """Rotations [..., 7, 3, 3] and origins [..., 7, 3] of the links, tip [..., 3] of the tool.
+
+        The columns of a rotation are the axes x, y, z of the link's frame; z is the joint's axis.
+        """
         cosine, sine = jnp.cos(state), jnp.sin(state)
         shape = state.shape[:-1]
         x, y, z = (jnp.broadcast_to(axis, (*shape, 3)) for axis in jnp.eye(3, dtype=state.dtype))
         point = jnp.zeros((*shape, 3), state.dtype)
-        axes, origins = [], []
+        turns, origins = [], []
         for joint, (a, d, alpha) in enumerate(DENAVIT_HARTENBERG):
             point = point + a * x
             if alpha:
@@ -114,10 +122,10 @@ class Panda:
             c, s = cosine[..., joint, None], sine[..., joint, None]
             x, y = c * x + s * y, c * y - s * x
             point = point + d * z
-            axes.append(z)
+            turns.append(jnp.stack([x, y, z], -1))
             origins.append(point)
         tip = point + (FLANGE + self.tool) * z
-        return jnp.stack(axes, -2), jnp.stack(origins, -2), tip
+        return jnp.stack(turns, -3), jnp.stack(origins, -2), tip
 
     def jacobian(self, state: jax.Array) -> jax.Array:
         """Derivative [3, 7] of the end effector's position in [m/rad]."""

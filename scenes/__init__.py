@@ -5,6 +5,7 @@ from scenes.regions import Region, SceneError
 from scenes.scene import (
     WORKSPACE_DIMENSION,
     Scene,
+    demo_names,
     format_scene,
     load_scene,
     load_task,
@@ -35,6 +36,7 @@ __all__ = [
     "RegionArrays",
     "Scene",
     "SceneError",
+    "demo_names",
     "format_scene",
     "goal_geometry",
     "load_scene",

@@ -33,6 +33,9 @@ WORKSPACE_DIMENSION = MappingProxyType(
 )
 """Dimension of the space in which each robot's regions live (a test holds it equal to `ENVS`)."""
 
+DEMO = "-demo"
+"""Ends the name of a robot's demo, beside the numbers of the paper's tasks."""
+
 LARGEST_FILE = 1_000_000  # bytes
 LONGEST_FORMULA = 10_000  # characters, as in the parser
 LARGEST_HORIZON = 10_000  # steps
@@ -134,19 +137,18 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> None:
 
 
 def task_names(robot: str | None = None) -> list[str]:
-    """Names of the shipped tasks, such as `linear-08`, sorted; of one robot if given."""
-    if robot is not None and robot not in WORKSPACE_DIMENSION:
-        raise SceneError(f"robot: unknown {robot!r}. {allowed(robot, WORKSPACE_DIMENSION)}")
-    names = []
-    for folder in [robot] if robot else sorted(WORKSPACE_DIMENSION):
-        files = sorted(entry.name for entry in resources.files("scenes").joinpath(folder).iterdir())
-        names += [f"{folder}-{file[:-5]}" for file in files if file.endswith(".toml")]
-    return names
+    """Names of the paper's tasks, such as `linear-08`, sorted; of one robot if given."""
+    return [name for name in _shipped(robot) if not name.endswith(DEMO)]
+
+
+def demo_names(robot: str | None = None) -> list[str]:
+    """Names of the demos, such as `linear-demo`; of one robot if given."""
+    return [name for name in _shipped(robot) if name.endswith(DEMO)]
 
 
 def load_task(name: str) -> Scene:
-    """Read a shipped task by its name."""
-    names = task_names()
+    """Read a shipped task or demo by its name."""
+    names = _shipped()
     if name not in names:
         raise SceneError(f"task: unknown {name!r}. {allowed(name, names)}")
     robot, number = name.rsplit("-", 1)
@@ -177,6 +179,16 @@ def format_scene(scene: Scene) -> str:
     for region in scene.regions:
         lines += ["", f"[regions.{_key(region.name)}]", *_region_lines(region)]
     return "\n".join(lines) + "\n"
+
+
+def _shipped(robot: str | None = None) -> list[str]:
+    if robot is not None and robot not in WORKSPACE_DIMENSION:
+        raise SceneError(f"robot: unknown {robot!r}. {allowed(robot, WORKSPACE_DIMENSION)}")
+    names = []
+    for folder in [robot] if robot else sorted(WORKSPACE_DIMENSION):
+        files = sorted(entry.name for entry in resources.files("scenes").joinpath(folder).iterdir())
+        names += [f"{folder}-{file[:-5]}" for file in files if file.endswith(".toml")]
+    return names
 
 
 def _scene_from(table: Mapping[str, Any]) -> Scene:

@@ -37,16 +37,18 @@ from studio.playing.playback import add_playback_commands
 from studio.server.security import chosen_token, start_server
 from studio.session import MakeConfig, Session
 from studio.theme import STYLE
+from studio.views.camera import CameraView
 from studio.views.editing import EditingView
 from studio.views.floor import FloorView
 from studio.views.follow import FollowView
+from studio.views.frame import FrameView
 from studio.views.ghosts import GhostsView
 from studio.views.highlight import HighlightView
 from studio.views.regions import RegionsView
 from studio.views.robot import RobotView
 from studio.views.start import StartView
 
-FIRST_TASK = "linear-08"
+FIRST_TASK = "panda-demo"
 FRAME = 1 / 25
 """Least time between two drawings [s]."""
 
@@ -224,7 +226,9 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     learning.set_width(420)
     rollout.float(x=20, y=-14, width=580)
     views: list[Drawable] = [
+        CameraView(server),
         RegionsView(server),
+        FrameView(server),
         HighlightView(server),
         GhostsView(server),
         RobotView(server),

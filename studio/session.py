@@ -133,11 +133,7 @@ class Session:
         self._adopt(policy, origin)
 
     def open(self, scene: Scene) -> None:
-        """Go to another scene.
-
-        Raises:
-            UserError: the page cannot draw its robot; everything stays as it is.
-        """
+        """Go to another scene."""
         specification = specify(scene)
         self.trainer.forget()
         self.analyst.forget()

@@ -18,7 +18,7 @@ from studio.editing.meaning import differences
 from studio.editing.renaming import rename_in_formula
 
 SHIFT = 0.4
-"""How far a duplicate lies from its original along x and y [m]."""
+"""How far a duplicate lies from its original along x and y, in lengths of the robot."""
 
 
 class EditError(UserError):
@@ -104,9 +104,9 @@ class Document:
         name = free_name(prefix, self.scene.region_names)
         return self._add(f"add {name}", Region(name, kind, tuple(center), tuple(size), color))
 
-    def duplicate(self, name: str, shift: float = SHIFT) -> str:
+    def duplicate(self, name: str) -> str:
         """Add a copy of a region, a little aside; returns its name."""
-        region = self.region(name)
+        region, shift = self.region(name), SHIFT * ENVS[self.scene.robot].length
         copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.region_names)
         x, y, *rest = region.center
         moved = replace(region, name=copy, center=(x + shift, y - shift, *rest))

@@ -7,6 +7,7 @@ A drag is a sequence start, update, ..., end of points in space; it edits the do
 from dataclasses import dataclass
 from typing import Literal
 
+from envs import ENVS
 from scenes import Region
 from studio.editing.document import Document
 from studio.editing.shapes import drawn, resized, snap
@@ -23,7 +24,7 @@ TOOLS = {2: (SELECT, "rectangle", "circle"), 3: (SELECT, "box", "sphere", "cylin
 """By dimension: to select and move, and the kinds that can be drawn."""
 
 STEP = 0.25
-"""Of the grid that drags snap to [m]."""
+"""Of the grid that drags snap to, in lengths of the robot."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,10 @@ class Editor:
         self.selection: str | None = None
         """A region's name, `INITIAL`, or None."""
         self.tool = SELECT
-        self.step = STEP
+        self.unit = ENVS[document.scene.robot].length
+        """Length by which sizes of the robot's workspace are told [m]."""
+        self.step = STEP * self.unit
+        """Of the grid that drags snap to [m]."""
         self.preview: Region | None = None
         """The region that is being drawn."""
         self._document = document
@@ -84,8 +88,10 @@ class Editor:
 
     def add(self, kind: str) -> None:
         """Add a region in the middle of the floor."""
-        angular = kind in ("rectangle", "box")
-        outline = drawn(kind, (-0.5, -0.5) if angular else (0.0, 0.0), (0.5, 0.5))
+        x, y = (sum(ends) / 2 for ends in ENVS[self._document.scene.robot].workspace[:2])
+        half = self.unit / 2
+        start = (x - half, y - half) if kind in ("rectangle", "box") else (x, y)
+        outline = drawn(kind, start, (x + half, y + half), unit=self.unit)
         assert outline is not None
         self.selection = self._document.add(kind, *outline)
 
@@ -125,7 +131,7 @@ class Editor:
         kind = self.tool
         if kind == SELECT:
             kind = TOOLS[self._document.scene.dimension][1]
-        outline = drawn(kind, start, end, self.step)
+        outline = drawn(kind, start, end, self.step, self.unit)
         self.preview = None if outline is None else Region("new", kind, *outline)
         if phase == "end":
             self.preview = None
@@ -152,7 +158,7 @@ class Editor:
         grab = self._grabbed(self.selection, phase, point, "resize")
         if grab is not None:
             point = point[: grab.region.dimension]
-            outline = resized(grab.region, handle, point, self.step)
+            outline = resized(grab.region, handle, point, self.step, self.unit)
             self._put(grab, outline.center, outline.size)
 
     def _grabbed(self, target: str, phase: Phase, start: Point, action: Action) -> Grab | None:

@@ -8,9 +8,6 @@ from core.task import Task
 from scenes import Scene
 from studio.tasks import build_task
 
-ON_PAGE = ("linear", "unicycle")
-"""Robots that the page can draw; the others train and are evaluated without it."""
-
 
 @dataclass(frozen=True, eq=False)
 class Specification:
@@ -38,16 +35,7 @@ class Specification:
 
 
 def specify(scene: Scene, text: str | None = None) -> Specification:
-    """Judge a formula over a scene, the scene's own if none is given.
-
-    Raises:
-        UserError: the scene is for a robot that the page cannot draw.
-    """
-    if scene.robot not in ON_PAGE:
-        raise UserError(
-            f"{scene.name}: the page does not draw the robot {scene.robot!r} yet. "
-            f"Allowed: {', '.join(ON_PAGE)}. Train it with --train-only"
-        )
+    """Judge a formula over a scene, the scene's own if none is given."""
     return edited(Specification(scene, None), scene if text is None else with_text(scene, text))
 
 

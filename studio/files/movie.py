@@ -9,6 +9,9 @@ from core.errors import UserError
 from studio.playing.recording import Recording
 from studio.server.security import LARGEST_PORT, is_free, start_server
 from studio.session import Session
+from studio.views.camera import CameraView
+from studio.views.floor import FloorView
+from studio.views.frame import FrameView
 from studio.views.regions import RegionsView
 from studio.views.robot import RobotView
 
@@ -34,7 +37,8 @@ def rollout_html(session: Session, recording: Recording) -> bytes:
         raise UserError("The recording needs a free port on this machine; there is none.")
     server = start_server(HOST, port, "recording")
     try:
-        RegionsView(server).draw(session)
+        for view in (CameraView(server), FloorView(server), FrameView(server), RegionsView(server)):
+            view.draw(session)
         robot = RobotView(server)
         player = SimpleNamespace(recording=recording, position=0.0)
         shown = cast(

@@ -22,7 +22,14 @@ from studio.files.json_documents import (
 FORMAT = 1
 """Version of the metadata."""
 
-SHIPPED = ("linear-08", "unicycle-08")
+SHIPPED = (
+    "linear-08",
+    "unicycle-08",
+    "linear-demo",
+    "unicycle-demo",
+    "panda-demo",
+    "quadrotor-demo",
+)
 """Tasks with a policy."""
 
 

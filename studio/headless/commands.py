@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from core.checkpoint import DivergedError
 from core.errors import UserError
 from core.training import TrainingConfig, final_evaluation, train
-from scenes import Scene, load_scene, load_task, task_names
+from scenes import Scene, demo_names, load_scene, load_task, task_names
 from studio.files.bundle import METADATA, load_bundle
 from studio.files.json_documents import plain
 from studio.headless.config import make_config
@@ -91,7 +91,7 @@ def evaluate(options: "Options") -> int:
 
 def list_tasks() -> int:
     """Print the names and titles of the shipped tasks."""
-    for name in task_names():
+    for name in demo_names() + task_names():
         print(f"{name:14} {load_task(name).title}")
     return 0
 

@@ -16,7 +16,10 @@ from studio.views.roles import roles
 from studio.views.solids import rgb
 
 FINE = 0.05
-"""Step of the fields' arrows [m]."""
+"""Step of the fields' arrows, in lengths of the robot."""
+
+DIGITS = 3
+"""Decimals of the fields: millimetres."""
 
 PAUSE = 0.6
 """In typing, after which a name is taken and a step of undo ends [s]."""
@@ -42,13 +45,15 @@ class RegionFields:
             3: gui.add_vector3("Center", (0.0, 0.0, 0.0), step=FINE, visible=False),
         }
         self._sizes = {
-            1: gui.add_number("Radius", 1.0, min=FINE, step=FINE, visible=False),
+            1: gui.add_number("Radius", 1.0, min=0.001, step=FINE, visible=False),
             2: gui.add_vector2("Half size", (1.0, 1.0), step=FINE, visible=False),
             3: gui.add_vector3("Half size", (1.0, 1.0, 1.0), step=FINE, visible=False),
         }
         self._color = gui.add_rgb("Colour", (0, 0, 0), visible=False)
         self._renaming: tuple[str, float] | None = None
         self._spell, self._touched = 0, 0.0
+        for field in (*self._centers.values(), *self._sizes.values()):
+            field.precision = DIGITS
         self._on_update(self._name, self._type_name)
         self._on_update(self._kind, self._reshape)
         self._on_update(self._color, self._recolor)
@@ -79,6 +84,8 @@ class RegionFields:
     def _show_shape(self, region: Region) -> list[Any]:
         """Fill the fields that the region's shape needs; returns them."""
         center, size = self._centers[len(region.center)], self._sizes[len(region.size)]
+        for field in (center, size):
+            _set(field, "step", FINE * self._session.editor.unit)
         _set(center, "value", region.center)
         _set(size, "value", region.size[0] if len(region.size) == 1 else region.size)
         _set(size, "label", SIZE_LABEL[region.kind])

@@ -14,7 +14,7 @@ from studio.session import Session
 from studio.views.regions import region_look
 from studio.views.roles import roles
 
-ICONS = {SELECT: "↖", "rectangle": "▭", "circle": "◯", "box": "▭", "sphere": "◯", "cylinder": "⬭"}
+ICONS = {SELECT: "↖", "rectangle": "▭", "circle": "◯", "box": "▭", "sphere": "◯", "cylinder": "▯"}
 ACTIONS = ("undo", "redo", "duplicate", "delete", "start", "deselect")
 
 
@@ -126,7 +126,8 @@ def _hint(session: Session) -> str:
     if editor.tool != SELECT:
         return f"Drag on the floor to draw a {escape(editor.tool)}. Esc lays the tool down."
     if editor.selected is not None:
-        return "Drag it to move it, drag a dot to resize it. Esc deselects."
+        arrows = ", an arrow to move it along an axis" if editor.selected.dimension == 3 else ""
+        return f"Drag it to move it, a dot to resize it{arrows}. Esc deselects."
     return "Click a region to select it, Shift-drag on the floor to draw one."
 
 

@@ -5,8 +5,7 @@ from functools import partial
 import viser
 
 from envs import ENVS
-from scenes import Scene, task_names
-from studio.editing.specification import ON_PAGE
+from scenes import Scene, demo_names, task_names
 from studio.figures.svg import escape
 from studio.panels.html import Html
 from studio.session import Session
@@ -18,7 +17,7 @@ class TaskPanel:
     def __init__(self, gui: viser.GuiApi, session: Session) -> None:
         scene = session.specification.scene
         self._opened = scene
-        names = [name for robot in ON_PAGE for name in task_names(robot)]
+        names = [name for robot in ENVS for name in demo_names(robot) + task_names(robot)]
         if scene.name not in names:
             names.insert(0, scene.name)
         self._menu = gui.add_dropdown("Task", names, initial_value=scene.name)

@@ -1,37 +1,53 @@
-"""What is being edited: the selected region's outline and handles, and the region being drawn."""
+"""What is being edited: the selected region's outline and handles, and the region being drawn.
+
+Dots resize. In space arrows beyond the faces move the region along an axis each.
+"""
 
 from collections.abc import Sequence
-from functools import partial
+from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
+import trimesh
 import viser
 
 from core.decompose import Decomposition
 from scenes import Region
-from studio.editing.shapes import handles
+from studio.editing.editor import Phase, Point
+from studio.editing.shapes import axis_of, half_extents, handles
 from studio.session import Session
 from studio.theme import BRAND
 from studio.views.outlines import outline
-from studio.views.pointer import on_free_drag, on_level_drag
+from studio.views.pointer import on_axis_drag, on_level_drag
 from studio.views.regions import HEIGHT
 from studio.views.roles import Role, roles
 
 ABOVE = 0.04
 """Height of planar outlines above the body that they surround [m]."""
 
-HANDLE = 0.12
-"""Radius of a handle [m]."""
+HANDLE, GAP, ARROW = 0.12, 0.3, 0.75
+"""Radius of a dot, from a face to its arrow, and the arrow's length, in lengths of the robot."""
+
 PREVIEW = (247, 103, 7)
+AXIS_COLORS = ((224, 49, 49), (47, 158, 68), (25, 113, 194))
+
+
+class Grip(NamedTuple):
+    """Something to pull at: a dot, or an arrow along an axis."""
+
+    position: tuple[float, float, float]
+    arrow: int | None = None
 
 
 class EditingView:
-    """Nodes below `/edit`. Handles stay while they are dragged: without its node a drag ends."""
+    """Nodes below `/edit`. Grips stay while they are dragged: without its node a drag ends."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene, self._server = server.scene, server
         self._selected: tuple[Region | None, Decomposition | None] | None = None
         self._preview: Region | None = None
-        self._handles: list[viser.IcosphereHandle] = []
+        self._kinds: tuple = ()
+        self._grips: list[viser.SceneNodeHandle] = []
 
     def draw(self, session: Session) -> None:
         """Follow the editor."""
@@ -48,29 +64,50 @@ class EditingView:
     def _show_selected(self, session: Session, region: Region | None) -> None:
         height = ABOVE + _body_height(session)
         self._line("/edit/outline", region, height, BRAND, 4.0)
-        points = [] if region is None else [_raised(point, height) for point in handles(region)]
-        if len(points) != len(self._handles):
-            self._make_handles(session, points, planar=region is None or region.dimension == 2)
-        for handle, point in zip(self._handles, points, strict=True):
-            handle.position = point
+        unit = session.editor.unit
+        shown = [] if region is None else grips(region, height, unit)
+        kinds = (unit, region is not None and region.dimension, [grip.arrow for grip in shown])
+        if kinds != self._kinds:
+            self._kinds = kinds
+            self._make_grips(session, shown, planar=region is None or region.dimension == 2)
+        for node, grip in zip(self._grips, shown, strict=True):
+            node.position = grip.position
 
-    def _make_handles(
-        self, session: Session, points: Sequence[tuple[float, float, float]], *, planar: bool
-    ) -> None:
-        for handle in self._handles:
-            handle.remove()
-        self._handles = []
-        for index, point in enumerate(points):
-            node = self._scene.add_icosphere(
-                f"/edit/handle{index}",
-                HANDLE,
-                BRAND,
-                position=point,
-                cast_shadow=False,
-            )
-            drag = partial(_resize, session, index)
-            (on_level_drag if planar else on_free_drag)(node, drag)
-            self._handles.append(node)
+    def _make_grips(self, session: Session, wanted: Sequence[Grip], *, planar: bool) -> None:
+        for node in self._grips:
+            node.remove()
+        self._grips = []
+        for index, grip in enumerate(wanted):
+            if grip.arrow is not None:
+                node = self._add_arrow(f"/edit/arrow{grip.arrow}", grip, session.editor.unit)
+                on_axis_drag(node, partial(_move, session), grip.arrow)
+            else:
+                node = self._scene.add_icosphere(
+                    f"/edit/handle{index}",
+                    HANDLE * session.editor.unit,
+                    BRAND,
+                    position=grip.position,
+                    cast_shadow=False,
+                )
+                drag = partial(_resize, session, index)
+                if planar:
+                    on_level_drag(node, drag)
+                else:
+                    on_axis_drag(node, drag, axis_of(index))
+            self._grips.append(node)
+
+    def _add_arrow(self, name: str, grip: Grip, unit: float) -> viser.MeshHandle:
+        axis = grip.arrow or 0
+        mesh = _arrow(axis)
+        return self._scene.add_mesh_simple(
+            name,
+            mesh.vertices * unit,
+            mesh.faces,
+            color=AXIS_COLORS[axis],
+            position=grip.position,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
 
     def _line(  # noqa: PLR0913
         self,
@@ -92,8 +129,43 @@ class EditingView:
         )
 
 
-def _resize(session: Session, index: int, phase, start, end) -> None:
+def grips(region: Region, height: float, unit: float) -> list[Grip]:
+    """Dots of a region; in space, also arrows where they are out of the region and of the dots."""
+    dots = [Grip(_raised(point, height)) for point in handles(region)]
+    if region.dimension == 2:
+        return dots
+    center = np.asarray(region.center)
+    arrows = []
+    for axis, half in enumerate(half_extents(region)):
+        away = np.eye(3)[axis] * (half + GAP * unit)
+        arrows.append(Grip(_raised(tuple(center + away), height), axis))
+    return [*dots, *arrows]
+
+
+@cache
+def _arrow(axis: int) -> trimesh.Trimesh:
+    """An arrow along an axis from the origin, for a robot of length 1."""
+    shaft, tip = 0.55 * ARROW, 0.45 * ARROW
+    parts = (
+        trimesh.creation.cylinder(0.05, shaft).apply_translation([0, 0, shaft / 2]),
+        trimesh.creation.cone(0.13, tip).apply_translation([0, 0, shaft]),
+    )
+    mesh = trimesh.util.concatenate(parts)
+    turn = trimesh.geometry.align_vectors([0, 0, 1], np.eye(3)[axis])
+    return mesh.apply_transform(turn)
+
+
+def _resize(session: Session, index: int, phase: Phase, start: Point, end: Point) -> None:
+    del start
     session.post(lambda: session.editor.resize(index, phase, end))
+
+
+def _move(session: Session, phase: Phase, start: Point, end: Point) -> None:
+    def move() -> None:
+        if session.editor.selection is not None:
+            session.editor.move(session.editor.selection, phase, start, end)
+
+    session.post(move)
 
 
 def _body_height(session: Session) -> float:
@@ -105,4 +177,4 @@ def _body_height(session: Session) -> float:
 
 def _raised(point: tuple[float, ...], height: float) -> tuple[float, float, float]:
     x, y, z = (*point, height)[:3]
-    return x, y, z
+    return float(x), float(y), float(z)

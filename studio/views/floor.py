@@ -4,12 +4,12 @@ from functools import partial
 
 import viser
 
-from envs import ENVS
 from studio.editing.editor import SELECT
 from studio.session import Session
+from studio.views.bodies import BODIES, Stage
 from studio.views.pointer import Dragged, on_level_drag
 
-FLOOR, GRID = (247, 248, 250), (226, 229, 234)
+RIM_WIDTH, RIM_HEIGHT = 0.16, 0.22  # [m]
 
 
 class FloorView:
@@ -29,32 +29,57 @@ class FloorView:
             return
         self._drawn = current
         robot, drawing = current
-        (left, right), (front, back) = ENVS[robot].workspace[:2]
+        stage = BODIES[robot].stage
+        (left, right), (front, back) = stage.floor
         width, depth = right - left, back - front
         middle = ((left + right) / 2, (front + back) / 2)
         floor = self._scene.add_box(
             "/floor",
-            FLOOR,
-            (width, depth, 0.1),
-            position=(*middle, -0.051),
+            stage.color,
+            (width, depth, stage.thickness),
+            position=(*middle, -stage.thickness / 2 - 0.001),
             cast_shadow=False,
         )
         draw = drawing_drag(session)
         on_level_drag(floor, draw, height=0.0, modifier="shift")
         if drawing:
             on_level_drag(floor, draw, height=0.0)
+        self._add_rim(stage)
         # Not below the floor: the grid would pass on clicks that hit it, standing upright.
         self._scene.add_grid(
             "/grid",
             width,
             depth,
-            cell_size=1.0,
-            section_size=5.0,
-            cell_color=GRID,
-            section_color=GRID,
+            cell_size=stage.cell,
+            section_size=5 * stage.cell,
+            cell_color=stage.grid,
+            section_color=stage.grid,
             shadow_opacity=0.0,
             position=(*middle, 0.002),
         )
+
+    def _add_rim(self, stage: Stage) -> None:
+        """Four beams on the floor's edge."""
+        self._scene.remove_by_name("/rim")
+        if stage.rim is None:
+            return
+        (left, right), (front, back) = stage.floor
+        width, depth, half = right - left, back - front, RIM_WIDTH / 2
+        x, y = (left + right) / 2, (front + back) / 2
+        for index, (size, place) in enumerate(
+            (
+                ((width, RIM_WIDTH), (x, front + half)),
+                ((width, RIM_WIDTH), (x, back - half)),
+                ((RIM_WIDTH, depth - 2 * RIM_WIDTH), (left + half, y)),
+                ((RIM_WIDTH, depth - 2 * RIM_WIDTH), (right - half, y)),
+            )
+        ):
+            self._scene.add_box(
+                f"/rim/beam{index}",
+                stage.rim,
+                (*size, RIM_HEIGHT),
+                position=(*place, RIM_HEIGHT / 2),
+            )
 
 
 def drawing_drag(session: Session) -> Dragged:

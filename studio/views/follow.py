@@ -4,13 +4,13 @@ import numpy as np
 import viser
 
 from studio.session import Session
-from studio.views.robot import interpolated
+from studio.views.robot import between
 
 NEARER = 0.25
 """Share of the way to the camera by which it looks short of the robot: a panel covers the rest."""
 
 LEAST = 0.03
-"""Way of the robot after which the camera is moved [m]."""
+"""Way of the robot after which the camera is moved, in lengths of the robot."""
 
 
 class FollowView:
@@ -26,13 +26,16 @@ class FollowView:
         if not session.following or player.recording is None:
             self._last = None
             return
-        here = interpolated(player.recording, player.position)[1]
+        here = between(player.recording.positions, player.position)
         clients = self._server.get_clients().values()
         if self._last is None:
             moves = [_centring(here, client.camera) for client in clients]
         else:
             moves = [here - self._last] * len(clients)
-            if np.linalg.norm(moves[0] if moves else 0) < LEAST:
+            if (
+                np.linalg.norm(moves[0] if moves else 0)
+                < LEAST * player.recording.task.robot.length
+            ):
                 return
         self._last = here
         for client, move in zip(clients, moves, strict=True):

@@ -7,10 +7,11 @@ from studio.playing.gallery import Gallery, Ghost
 from studio.playing.recording import Recording
 from studio.session import Session
 from studio.theme import BAD, GOOD
-from studio.views.robot import interpolated, segments
+from studio.views.robot import between, lifted, segments
 from studio.views.solids import rgb
 
-LIFT, SAMPLE_LIFT, THICKNESS, SAMPLE_THICKNESS, RADIUS = 0.045, 0.02, 0.05, 0.03, 0.13  # [m]
+LIFT, SAMPLE_LIFT, THICKNESS, SAMPLE_THICKNESS, RADIUS = 0.045, 0.02, 0.05, 0.03, 0.13
+"""In lengths of the robot."""
 
 
 class GhostsView:
@@ -42,10 +43,13 @@ class GhostsView:
         self._ghosts, self._bodies, self._position = gallery.ghosts, [], None
         for index, ghost in enumerate(gallery.ghosts):
             name, color = f"/ghosts/{index}", rgb(ghost.color)
-            path = segments(ghost.recording.positions, LIFT)
-            scene.add_line_segments(name, path, color, thickness=THICKNESS)
+            robot = ghost.recording.task.robot
+            path = segments(ghost.recording.positions, lifted(robot, LIFT))
+            scene.add_line_segments(name, path, color, thickness=THICKNESS * robot.length)
             self._bodies.append(
-                scene.add_icosphere(f"{name}/body", RADIUS, color, opacity=0.55, cast_shadow=False)
+                scene.add_icosphere(
+                    f"{name}/body", RADIUS * robot.length, color, opacity=0.55, cast_shadow=False
+                )
             )
 
     def _show_sample(self, sample: tuple[Recording, ...]) -> None:
@@ -53,11 +57,14 @@ class GhostsView:
         self._sample = sample
         for index, recording in enumerate(sample):
             color = rgb(GOOD if recording.satisfied else BAD)
-            path = segments(recording.positions, SAMPLE_LIFT)
+            robot = recording.task.robot
+            path = segments(recording.positions, lifted(robot, SAMPLE_LIFT))
             self._server.scene.add_line_segments(
-                f"/sample/{index}", path, color, thickness=SAMPLE_THICKNESS
+                f"/sample/{index}", path, color, thickness=SAMPLE_THICKNESS * robot.length
             )
 
     def _place(self, ghost: Ghost, position: float) -> np.ndarray:
         recording = ghost.recording
-        return interpolated(recording, min(position, recording.steps))[1] + np.array([0, 0, RADIUS])
+        here = between(recording.positions, min(position, recording.steps))
+        robot = recording.task.robot
+        return here + np.array([0.0, 0.0, RADIUS * robot.length * (robot.position_size == 2)])

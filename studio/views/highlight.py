@@ -1,4 +1,4 @@
-"""Regions pointed out: a bright outline around each."""
+"""Regions pointed out: a bright outline around each, a shell in space, the edges of a wall."""
 
 import numpy as np
 import viser
@@ -9,6 +9,7 @@ from studio.views.outlines import outline
 from studio.views.regions import HEIGHT
 from studio.views.roles import roles
 from studio.views.solids import add_solid
+from studio.views.walls import Face, face_edges, wall_faces
 
 BRIGHT = (255, 183, 3)
 LIFT, THICKNESS = 0.04, 0.1
@@ -32,14 +33,20 @@ class HighlightView:
         self._drawn = (scene, names)
         with self._server.atomic():
             self._server.scene.remove_by_name("/highlight")
+            faces = wall_faces(scene)
             found = roles(scene.region_names, session.specification.decomposition)
             for index, region in enumerate(scene.regions):
                 if region.name in names:
                     height = HEIGHT[found[region.name]] + LIFT
-                    self._outline(f"/highlight/region{index}", region, height)
+                    face = faces.get(region.name)
+                    self._outline(f"/highlight/region{index}", region, height, face)
 
-    def _outline(self, name: str, region: Region, height: float) -> None:
+    def _outline(self, name: str, region: Region, height: float, face: Face | None) -> None:
         scene = self._server.scene
+        if face is not None:
+            edges = face_edges(face).astype(np.float32)
+            scene.add_line_segments(name, edges, BRIGHT, thickness=4.0, thickness_units="screen")
+            return
         if region.dimension == 2:
             segments = outline(region, height).astype(np.float32)
             scene.add_line_segments(name, segments, BRIGHT, thickness=THICKNESS)

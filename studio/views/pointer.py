@@ -13,6 +13,9 @@ import viser
 
 from studio.editing.editor import Phase, Point
 
+NEARLY_ALONG = 0.995
+"""Cosine between a ray and a line over which the nearest point is not to be trusted."""
+
 Dragged = Callable[[Phase, Point, Point], None]
 """Takes the phase, where the drag began and where it is [m]."""
 
@@ -53,9 +56,37 @@ def on_level_drag(
         dragged(event.phase, start, level_point(eye, pointer, level))
 
 
-def on_free_drag(node: Any, dragged: Dragged) -> None:
-    """Report drags of a node along the plane that faces the camera."""
+def axis_point(eye: np.ndarray, through: np.ndarray, origin: np.ndarray, axis: int) -> Point:
+    """Point of a line along an axis that is nearest to the ray from the eye through a point [m].
+
+    A ray along the line says nothing: the origin is returned.
+
+    Args:
+        eye: [3].
+        through: [3].
+        origin: a point of the line [3].
+        axis: 0, 1 or 2.
+    """
+    ray = (through - eye) / np.linalg.norm(through - eye)
+    along = ray[axis]
+    gap = origin - eye
+    share = (along * float(gap @ ray) - gap[axis]) / max(1 - along**2, 1e-9)
+    point = origin.copy()
+    point[axis] += share if abs(along) < NEARLY_ALONG else 0.0
+    return tuple(float(value) for value in point)
+
+
+def on_axis_drag(node: Any, dragged: Dragged, axis: int) -> None:
+    """Report drags of a node along a line through the point that was grabbed, parallel to an axis.
+
+    The grabbed point goes with the node, which stays on the line.
+    """
 
     @node.on_drag("left")
     async def _(event: viser.SceneNodeDragEvent) -> None:
-        dragged(event.phase, tuple(event.start_position), tuple(event.end_position))
+        eye = np.asarray(event.client.camera.position, float)
+        grabbed, pointer = (
+            np.asarray(point, float) for point in (event.start_position, event.end_position)
+        )
+        start = tuple(float(value) for value in grabbed)
+        dragged(event.phase, start, axis_point(eye, pointer, grabbed, axis))

@@ -11,6 +11,7 @@ from studio.views.floor import drawing_drag
 from studio.views.pointer import on_level_drag
 from studio.views.roles import Role, roles
 from studio.views.solids import Solid, add_solid, place_solid, rgb, top
+from studio.views.walls import Face, add_face, wall_faces
 
 START = "#f6bd60"
 DEFAULT_COLOR = {
@@ -22,7 +23,8 @@ DEFAULT_COLOR = {
 HEIGHT = {Role.GOAL: 0.03, Role.OBSTACLE: 0.55, Role.DOOR: 0.3, Role.UNUSED: 0.015}
 """Of planar regions [m]."""
 OPACITY = {Role.GOAL: 0.85, Role.OBSTACLE: 1.0, Role.DOOR: 0.6, Role.UNUSED: 0.5}
-START_HEIGHT, START_OPACITY = 0.02, 0.75
+OPACITY_IN_SPACE = {Role.GOAL: 0.5, Role.OBSTACLE: 0.8, Role.DOOR: 0.4, Role.UNUSED: 0.25}
+START_HEIGHT, START_OPACITY, START_OPACITY_IN_SPACE = 0.02, 0.75, 0.4
 
 
 class Look(NamedTuple):
@@ -33,6 +35,8 @@ class Look(NamedTuple):
     color: str
     height: float
     opacity: float
+    face: Face | None = None
+    """Set for a wall of the hall, of which nothing else is drawn."""
 
 
 class Shown(NamedTuple):
@@ -40,8 +44,8 @@ class Shown(NamedTuple):
 
     look: Look
     region: Region
-    body: Solid
-    label: viser.LabelHandle
+    body: Solid | viser.MeshHandle
+    label: viser.LabelHandle | None
 
 
 class RegionsView:
@@ -52,9 +56,6 @@ class RegionsView:
         self._server = server
         self._shown: dict[str, Shown] = {}
         self._drawn: tuple | None = None
-        server.initial_camera.position = (0.0, -13.0, 15.8)
-        server.initial_camera.look_at = (0.0, -1.9, 0.0)
-        server.initial_camera.fov = 0.8
         _light(self._scene)
 
     def draw(self, session: Session) -> None:
@@ -65,8 +66,12 @@ class RegionsView:
             return
         self._drawn = current
         found = roles(scene.region_names, decomposition)
+        faces = wall_faces(scene)
         wanted = {
-            f"/scene/region{index}": (region_look(region, found[region.name]), region)
+            f"/scene/region{index}": (
+                region_look(region, found[region.name])._replace(face=faces.get(region.name)),
+                region,
+            )
             for index, region in enumerate(scene.regions)
         }
         wanted["/scene/initial"] = (initial_look(scene.initial), scene.initial)
@@ -80,12 +85,18 @@ class RegionsView:
         shown = self._shown.get(node)
         if shown is not None and shown.look == look:
             if shown.region != region:
-                place_solid(shown.body, region, look.height)
-                shown.label.position = _label_position(node, region, look.height)
+                if not isinstance(shown.body, viser.MeshHandle):
+                    place_solid(shown.body, region, look.height)
+                if shown.label is not None:
+                    shown.label.position = _label_position(node, region, look.height)
                 self._shown[node] = shown._replace(region=region)
             return
         if shown is not None:
             shown.body.remove()
+        if look.face is not None:
+            wall = add_face(self._scene, node, look.face)
+            self._shown[node] = Shown(look, region, wall, None)
+            return
         body = add_solid(self._scene, node, region, rgb(look.color), look.height, look.opacity)
         label = self._scene.add_label(
             f"{node}/label",
@@ -95,20 +106,21 @@ class RegionsView:
             font_screen_scale=0.8 if node.endswith("initial") else 0.9,
         )
         self._shown[node] = Shown(look, region, body, label)
-        target = INITIAL if node.endswith("initial") else region.name
-        _listen(session, body, target)
+        _listen(session, body, INITIAL if node.endswith("initial") else region.name)
 
 
 def region_look(region: Region, role: Role) -> Look:
     """How a region is drawn in a role."""
     chosen = None if role is Role.UNUSED else region.color
     color = chosen or DEFAULT_COLOR[role]
-    return Look(region.name, region.kind, color, HEIGHT[role], OPACITY[role])
+    opacity = (OPACITY if region.dimension == 2 else OPACITY_IN_SPACE)[role]
+    return Look(region.name, region.kind, color, HEIGHT[role], opacity)
 
 
 def initial_look(region: Region) -> Look:
     """How the initial set is drawn."""
-    return Look("start", region.kind, region.color or START, START_HEIGHT, START_OPACITY)
+    opacity = START_OPACITY if region.dimension == 2 else START_OPACITY_IN_SPACE
+    return Look("start", region.kind, region.color or START, START_HEIGHT, opacity)
 
 
 def _listen(session: Session, body: Solid, target: str) -> None:
@@ -134,7 +146,8 @@ def _listen(session: Session, body: Solid, target: str) -> None:
 
 
 def _label_position(node: str, region: Region, height: float) -> tuple[float, float, float]:
-    front = -region.size[min(1, len(region.size) - 1)] if node.endswith("initial") else 0.0
+    planar = node.endswith("initial") and region.dimension == 2
+    front = -region.size[min(1, len(region.size) - 1)] if planar else 0.0
     return 0.0, front, top(region, height)
 
 

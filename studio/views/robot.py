@@ -1,18 +1,28 @@
-"""The robot at the playhead, and the trail behind it."""
+"""The robot at the playhead, the trail behind it and the way before it."""
 
-import math
+from collections.abc import Mapping
 
 import numpy as np
 import viser
 
+from core.protocols import Robot as LearningRobot
+from envs import ENVS
 from studio.analyst import initial_state
 from studio.playing.recording import Recording
 from studio.session import Session
 from studio.theme import TRAIL
-from studio.views.bodies import BODY, HEADING
+from studio.views.bodies import BODIES, Body, Pose
+from studio.views.bodies.body import ROOT
+from studio.views.solids import settle
 
-LIFT = 0.05
-"""Of the trail over the path, so that it covers it [m]."""
+WAY, WAY_WIDTH, TRAIL_WIDTH = (206, 212, 218), 0.04, 0.08
+"""Widths in lengths of the robot."""
+
+WAY_LIFT, TRAIL_LIFT, IN_SPACE = 0.03, 0.08, 0.045
+"""How lines that run together lie over each other: of planar robots at these heights over the
+floor, of others so much lower; in lengths of the robot."""
+
+DROP, DROP_WIDTH = (134, 142, 150), 0.03
 
 
 class RobotView:
@@ -21,10 +31,10 @@ class RobotView:
     def __init__(self, server: viser.ViserServer) -> None:
         self._server = server
         self._robot = ""
-        self._node: viser.FrameHandle | None = None
-        self._path: viser.LineSegmentsHandle | None = None
-        self._trail: viser.LineSegmentsHandle | None = None
+        self._parts: Mapping[str, viser.SceneNodeHandle] = {}
+        self._lines: dict[str, viser.LineSegmentsHandle] = {}
         self._recording: Recording | None = None
+        self._track = np.zeros((0, 0))
         self._drawn: tuple | None = None
 
     def draw(self, session: Session) -> None:
@@ -37,73 +47,93 @@ class RobotView:
         if current == self._drawn:
             return
         self._drawn = current
+        body = BODIES[robot]
         with self._server.atomic():
-            self._show_robot(robot)
+            self._show_robot(robot, body)
             if recording is not self._recording:
-                self._load(recording)
+                self._load(body, recording)
             if recording is not None:
-                self._place(robot, *interpolated(recording, position))
+                self._place(body.poses(between(self._track, position)))
                 self._extend(recording, position)
+                self._drop(between(recording.positions, position))
             elif task is not None:
                 state = initial_state(task, start)
-                position = np.asarray(task.robot.position(state))
-                self._place(robot, np.asarray(state), _spatial(position))
+                self._place(body.poses(np.asarray(state)))
+                self._drop(np.asarray(task.robot.position(state)))
 
-    def _show_robot(self, robot: str) -> None:
+    def _show_robot(self, robot: str, body: Body) -> None:
         if robot == self._robot:
             return
         self._robot = robot
         scene = self._server.scene
         scene.remove_by_name("/robot")
-        self._node = scene.add_frame("/robot", show_axes=False)
-        BODY[robot](scene, "/robot")
+        root = scene.add_frame("/robot", show_axes=False)
+        self._parts = {ROOT: root, **body.build(scene, "/robot")}
+        for part in self._parts.values():
+            settle(part)
 
-    def _place(self, robot: str, state: np.ndarray, position: np.ndarray) -> None:
-        if self._node is None:
-            return
-        heading = float(state[HEADING[robot]]) if robot in HEADING else 0.0
-        self._node.position = position
-        self._node.wxyz = np.array([math.cos(heading / 2), 0.0, 0.0, math.sin(heading / 2)])
+    def _place(self, poses: Mapping[str, Pose]) -> None:
+        for name, pose in poses.items():
+            part = self._parts[name]
+            part.position, part.wxyz = pose.position, pose.wxyz
 
-    def _load(self, recording: Recording | None) -> None:
+    def _load(self, body: Body, recording: Recording | None) -> None:
         self._recording = recording
-        for node in (self._path, self._trail):
-            if node is not None:
-                node.remove()
-        self._path = self._trail = None
+        for line in self._lines.values():
+            line.remove()
+        self._lines = {}
         if recording is None:
             return
-        lines = segments(recording.positions, 0.03)
-        self._path = self._server.scene.add_line_segments(
-            "/path", lines, (206, 212, 218), thickness=0.04
-        )
-        self._trail = self._server.scene.add_line_segments(
-            "/trail", lines[:1] + LIFT, TRAIL, thickness=0.08
-        )
+        self._track = body.track(recording.states, recording.actions)
+        unit = ENVS[self._robot].length
+        for name, color, width in (
+            ("/path", WAY, WAY_WIDTH),
+            ("/trail", TRAIL, TRAIL_WIDTH),
+        ):
+            self._lines[name] = self._server.scene.add_line_segments(
+                name, np.zeros((1, 2, 3), np.float32), color, thickness=width * unit
+            )
 
     def _extend(self, recording: Recording, position: float) -> None:
-        if self._trail is None:
+        """The trail covers what is done, the way what is to come."""
+        here = between(recording.positions, position)[None]
+        low = min(int(position), recording.steps)
+        done = np.concatenate([recording.positions[: low + 1], here])
+        ahead = np.concatenate([here, recording.positions[low + 1 :]])
+        robot = recording.task.robot
+        self._lines["/trail"].points = segments(done, lifted(robot, TRAIL_LIFT))
+        self._lines["/path"].visible = len(ahead) > 1
+        if len(ahead) > 1:
+            self._lines["/path"].points = segments(ahead, lifted(robot, WAY_LIFT))
+
+    def _drop(self, here: np.ndarray) -> None:
+        """A line from a robot in space to the ground below it, so that its height is seen."""
+        if len(here) < 3 or ENVS[self._robot].position_size == 2:
+            self._server.scene.remove_by_name("/drop")
             return
-        done = recording.positions[: int(position) + 1]
-        here = interpolated(recording, position)[1]
-        self._trail.points = segments(np.concatenate([done, here[None]]), 0.03 + LIFT)
+        ground = here * np.array([1.0, 1.0, 0.0])
+        self._server.scene.add_line_segments(
+            "/drop",
+            np.stack([here, ground])[None].astype(np.float32),
+            DROP,
+            thickness=DROP_WIDTH * ENVS[self._robot].length,
+        )
 
 
-def interpolated(recording: Recording, position: float) -> tuple[np.ndarray, np.ndarray]:
-    """State [n] and position [3] between two steps."""
-    low = min(int(position), recording.steps)
-    high, part = min(low + 1, recording.steps), position - low
-    return (
-        recording.states[low] * (1 - part) + recording.states[high] * part,
-        recording.positions[low] * (1 - part) + recording.positions[high] * part,
-    )
+def between(rows: np.ndarray, position: float) -> np.ndarray:
+    """Row [k] of a table [T + 1, k] at a position between two steps."""
+    last = len(rows) - 1
+    low = min(int(position), last)
+    high, part = min(low + 1, last), position - low
+    return rows[low] * (1 - part) + rows[high] * part
+
+
+def lifted(robot: LearningRobot, lengths: float) -> float:
+    """Height of a line over a robot's positions [m], from what is said in lengths of the robot."""
+    return (lengths if robot.position_size == 2 else lengths - IN_SPACE) * robot.length
 
 
 def segments(points: np.ndarray, height: float) -> np.ndarray:
     """Segments [N - 1, 2, 3] between consecutive points [N, 3], raised by a height [m]."""
-    lifted = (points + np.array([0.0, 0.0, height])).astype(np.float32)
-    return np.stack([lifted[:-1], lifted[1:]], axis=1)
-
-
-def _spatial(position: np.ndarray) -> np.ndarray:
-    return np.concatenate([position, np.zeros(3)])[:3]
+    raised = (points + np.array([0.0, 0.0, height])).astype(np.float32)
+    return np.stack([raised[:-1], raised[1:]], axis=1)

@@ -19,7 +19,9 @@ def add_solid(  # noqa: PLR0913
     looks: dict[str, Any] = {"opacity": None if solid else opacity, "cast_shadow": solid}
     at = _position(region, height)
     if region.kind == "sphere":
-        return scene.add_icosphere(name, region.size[0], color, position=at, **looks)
+        return scene.add_icosphere(
+            name, region.size[0], color, subdivisions=4, position=at, **looks
+        )
     if region.kind in ("circle", "cylinder"):
         tall = 2 * top(region, height)
         return scene.add_cylinder(
@@ -37,6 +39,17 @@ def place_solid(body: Solid, region: Region, height: float) -> None:
     body.radius = region.size[0]
     if isinstance(body, viser.CylinderHandle):
         body.height = 2 * top(region, height)
+
+
+def settle(node: viser.SceneNodeHandle) -> None:
+    """Send the pose of a new node that stands at the origin.
+
+    The library sends none, and a client gives a node that takes the name of an older one the
+    older one's pose.
+    """
+    position, wxyz = node.position.copy(), node.wxyz.copy()
+    node.position, node.wxyz = position + 1.0, -wxyz
+    node.position, node.wxyz = position, wxyz
 
 
 def top(region: Region, height: float) -> float:

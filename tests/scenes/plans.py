@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from scenes import Scene
+from scenes.scene import DEMO
 from tests.scenes.geometry import at, distance_from
 
 WALLS = {2: {"B1", "B2", "B3", "B4"}, 3: {"W1", "W2", "W3", "W4", "W5", "W6"}}
@@ -108,18 +109,17 @@ ANT_PLANS = {
         Visit("G", 160, 180, stay=10),
     ],
 }
-
-
-def number(scene: Scene) -> int:
-    """The number of a shipped task: 8 for `linear-08`."""
-    return int(scene.name.rsplit("-", 1)[1])
+ANT_DEMO = [Visit("A1", 0, 160), Visit("A2", 0, 160)]
 
 
 def plan_of(scene: Scene) -> list[Visit]:
-    """The plan of a shipped task."""
+    """The plan of a shipped task or demo."""
+    if scene.name.endswith(DEMO):
+        return ANT_DEMO if scene.robot == "ant" else [Visit("A1", 0, 80), Visit("A2", 0, 80)]
+    number = int(scene.name.rsplit("-", 1)[1])
     if scene.robot == "ant":
-        return ANT_PLANS[number(scene)]
-    return (PLANS if scene.dimension == 2 else SPATIAL_PLANS)[number(scene)]
+        return ANT_PLANS[number]
+    return (PLANS if scene.dimension == 2 else SPATIAL_PLANS)[number]
 
 
 def obstacles(scene: Scene) -> set[str]:

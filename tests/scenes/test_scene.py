@@ -13,6 +13,7 @@ from scenes import (
     Region,
     Scene,
     SceneError,
+    demo_names,
     format_scene,
     load_scene,
     load_task,
@@ -128,7 +129,7 @@ def test_unreadable_files_are_refused(tmp_path):
         load_scene(huge)
 
 
-@pytest.mark.parametrize("task", task_names())
+@pytest.mark.parametrize("task", task_names() + demo_names())
 def test_a_shipped_task_survives_saving(task, tmp_path):
     scene = load_task(task)
     save_scene(scene, tmp_path / "copy.toml")
@@ -200,9 +201,10 @@ def test_unknown_tasks_and_robots_list_the_known_ones():
         task_names("car")
 
 
-def test_each_robot_has_its_ten_tasks():
+def test_each_robot_has_its_ten_tasks_and_a_demo():
     for robot in ENVS:
         assert task_names(robot) == [f"{robot}-{n:02d}" for n in range(1, 11)]
+        assert demo_names(robot) == [f"{robot}-demo"]
 
 
 def test_scenes_and_robots_agree_on_the_dimension():

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from envs import ENVS
-from scenes import load_task, region_arrays, task_names
+from scenes import demo_names, load_task, region_arrays, task_names
 from scenes.margins import margins
 from tests.scenes.geometry import margin
 from tests.scenes.oracle import rtamt_robustness
@@ -27,7 +27,7 @@ def _trace(robot, arrays, initial, actions):
 REPLAY = jax.jit(_trace, static_argnums=0)
 
 
-@pytest.mark.parametrize("task", task_names())
+@pytest.mark.parametrize("task", task_names() + demo_names())
 def test_the_stored_plan_carries_out_the_task(task):
     scene = load_task(task)
     robot = ENVS[scene.robot]
@@ -46,7 +46,7 @@ def test_the_stored_plan_carries_out_the_task(task):
     assert rtamt_robustness(scene.formula, scene.region_names, table) >= 0
 
 
-@pytest.mark.parametrize("task", task_names())
+@pytest.mark.parametrize("task", task_names() + demo_names())
 def test_standing_still_does_not(task):
     scene = load_task(task)
     position = np.array(scene.initial.center)

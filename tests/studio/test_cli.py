@@ -10,7 +10,7 @@ import pytest
 
 from core.algorithm import MethodName, ModeName
 from core.errors import UserError
-from scenes import task_names
+from scenes import demo_names, task_names
 from studio import cli
 from studio.cli import Options, main
 from studio.headless import commands
@@ -90,7 +90,7 @@ def test_the_page(called):
 def test_the_tasks_are_listed(capsys):
     assert main(["--list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == task_names()
+    assert [line.split()[0] for line in lines] == demo_names() + task_names()
 
 
 @pytest.mark.parametrize(

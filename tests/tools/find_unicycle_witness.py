@@ -18,7 +18,7 @@ import numpy as np
 from scenes import Scene, load_task, task_names
 from tests.envs.reference import DT, unicycle_step
 from tests.scenes.geometry import AXIS, NODES, distance_from, margins_table
-from tests.scenes.plans import PLANS, Visit, number, obstacles
+from tests.scenes.plans import Visit, obstacles, plan_of
 from tests.tools.witness import DIGITS, episode_length, judge, save_witness
 
 
@@ -36,13 +36,13 @@ def leg_fields(scene: Scene, driver: Driver) -> list[np.ndarray]:
     blocked = obstacles(scene)
     return [
         distance_from(scene, visit.region, blocked | visit.doors, driver.clearance)
-        for visit in PLANS[number(scene)]
+        for visit in plan_of(scene)
     ]
 
 
 def drive(scene: Scene, initial, fields: list[np.ndarray], driver: Driver) -> np.ndarray:
     """Actions [T, 2] that follow the plan from an initial state [4]."""
-    plan = PLANS[number(scene)]
+    plan = plan_of(scene)
     state, backwards = np.asarray(initial, float), False
     centers = {region.name: region.center for region in scene.regions}
     entries: list[int] = []

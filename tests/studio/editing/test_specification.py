@@ -5,9 +5,9 @@ import pytest
 from core.errors import UserError
 from envs import ENVS
 from scenes import load_task
-from studio.editing.specification import ON_PAGE, edited, specify, with_text
+from studio.editing.specification import edited, specify, with_text
 from studio.tasks import build_task
-from studio.views.bodies import BODY
+from studio.views.bodies import BODIES
 
 
 def retyped(specification, text):
@@ -70,10 +70,10 @@ def test_a_change_of_shape_brings_a_new_task(right):
     assert edited(right, moved).task is not right.task
 
 
-def test_a_robot_that_the_page_cannot_draw_is_refused():
-    with pytest.raises(UserError, match=r"does not draw the robot 'panda' yet\. Allowed: linear"):
-        specify(load_task("panda-01"))
-
-
-def test_every_robot_on_the_page_has_a_body():
-    assert set(BODY) == set(ON_PAGE) < set(ENVS)
+@pytest.mark.parametrize("robot", ENVS)
+def test_every_robot_has_a_body_and_a_demo_on_the_page(robot):
+    assert robot in BODIES
+    demo = specify(load_task(f"{robot}-demo"))
+    assert not demo.error
+    assert demo.task is not None
+    assert [v.kind for v in demo.task.grounding.decomposition.variables] == ["time", "time"]
