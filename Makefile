@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: studio test lint types unit browser benchmark screenshots gallery clean
+.PHONY: studio test lint types unit browser benchmark latency screenshots gallery clean
 
 studio: $(VENV)/.installed
 	$(BIN)/tgpo-studio $(ARGS)
@@ -25,6 +25,9 @@ browser: $(VENV)/.installed-dev
 
 benchmark: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.tools.benchmark $(ARGS)
+
+latency: $(VENV)/.installed-dev browser
+	$(BIN)/python -m tests.tools.page_latency $(ARGS)
 
 screenshots: $(VENV)/.installed-dev browser
 	$(BIN)/python -m tests.tools.screenshots $(ARGS)

@@ -52,8 +52,15 @@ class Algorithm:
     prune_candidates: int = 32
     reserve: float = 1.2
     """Planned duration of a leg over the shortest possible one."""
+    evaluation_states: int = 512
+    """Initial states of an evaluation while training; the final one has 512 in any case."""
     choice_candidates: int = 64
     """Schedules that the critic chooses from at inference."""
+
+    layouts: int = 1
+    """Layouts that the environments of an epoch are dealt to; 1 learns on the task's own alone."""
+    fresh_layouts: int = 0
+    """Layouts among them that are new in every epoch."""
 
     def preference(self, value, shortfall):
         """By which schedules are sampled and chosen: V(s_0, t), less for legs that are too short.
@@ -65,7 +72,7 @@ class Algorithm:
     @property
     def count_mcmc(self) -> int:
         """Episodes of an epoch whose schedules come from the chains."""
-        return round(self.environments * self.share_mcmc)
+        return self.layouts * round(self.environments // self.layouts * self.share_mcmc)
 
     @property
     def count_elite(self) -> int:
@@ -93,9 +100,26 @@ PAPER_VIOLATION = {"unicycle": -3.5, "ant": -1.5}
 
 STUDIO = {
     "quadrotor": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3),
-    "ant": Algorithm(mode=StudioMode(gradual_stays=True), learning_rate=2.5e-3),
+    "ant": Algorithm(
+        mode=StudioMode(gradual_stays=True),
+        learning_rate=2.5e-3,
+        model_epochs=50,
+        evaluation_states=128,
+    ),
 }
-"""Studio presets of robots that the default serves badly: they cannot stop at once."""
+"""Studio presets of robots that the default serves badly: they cannot stop at once, and the ant's
+true physics costs ten times as much as its model."""
+
+
+def many_layouts(algorithm: Algorithm) -> Algorithm:
+    """The algorithm, learning on many layouts of a task, some of them new in every epoch.
+
+    Raises:
+        UserError: the paper's mode, which knows one layout.
+    """
+    if isinstance(algorithm.mode, PaperMode):
+        raise UserError("the paper's mode learns one layout alone. Available: ['studio']")
+    return replace(algorithm, layouts=16, fresh_layouts=1)
 
 
 def make_algorithm(mode: ModeName, method: MethodName, robot: str) -> Algorithm:

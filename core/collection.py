@@ -4,6 +4,8 @@ Dimensions: N environments, L steps of a batch, C chains, V variables, f and g f
 and critic, n state, m action, d position.
 """
 
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -237,6 +239,39 @@ def collect(
 
     stage, transitions = jax.lax.scan(step, start, (plan.noise, plan.slots))
     return finish(plan, stage, transitions)
+
+
+def collect_layouts(
+    setting: Setting,
+    problems: Problem,
+    parameters: Parameters,
+    chains: Array,
+    elite: Elite,
+    key: Array,
+) -> Batch:
+    """A batch whose environments are dealt to M layouts, stacked [M, ...] in `problems`."""
+    count = setting.algorithm.layouts
+    dealt = replace(
+        setting.algorithm, environments=setting.algorithm.environments // count, layouts=1
+    )
+    axes = (1,) * 7 + (0,) * 5  # of the layouts in a batch: after time, where there is time
+    batch = jax.vmap(
+        partial(collect, setting._replace(algorithm=dealt)),
+        (0, None, 0, None, 0),
+        Batch._make(axes),
+    )(
+        problems,
+        parameters,
+        chains.reshape(count, dealt.count_mcmc, chains.shape[-1]),
+        elite,
+        jax.random.split(key, count),
+    )
+
+    def merged(leaf: Array, axis: int) -> Array:
+        return leaf.reshape(*leaf.shape[:axis], -1, *leaf.shape[axis + 2 :])
+
+    fields = [merged(leaf, axis) for leaf, axis in zip(batch[:-1], axes, strict=False)]
+    return Batch._make([*fields, batch.diverged.sum()])
 
 
 def _where(mask: Array, new: Array, old: Array) -> Array:

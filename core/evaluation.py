@@ -1,6 +1,7 @@
 """Success rates by the paper's protocol (Sec. 5.1): one schedule, one rollout, exact verdicts."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import jax
@@ -58,3 +59,16 @@ def evaluate(
     rollout = programs.roll_out(task.problem, parameters, states, schedules)
     score = trace_robustness(task, np.asarray(rollout.margins))
     return Evaluation(score, np.asarray(schedules), np.asarray(values))
+
+
+def evaluate_layouts(
+    task: Task, programs: EvaluationPrograms, parameters: Parameters, key: Array
+) -> Evaluation:
+    """`evaluate` on the task's own layout and on those that it holds out, all together."""
+    if task.layouts is None:
+        return evaluate(task, programs, parameters, key)
+    parts = []
+    for problem in (task.problem, *task.layouts.held_out):
+        key, part_key = jax.random.split(key)
+        parts.append(evaluate(replace(task, problem=problem), programs, parameters, part_key))
+    return Evaluation(*map(np.concatenate, zip(*parts, strict=True)))

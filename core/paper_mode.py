@@ -149,7 +149,7 @@ class PaperMode:
     def _sense(
         self, robot: Robot, world: World, problem: Problem, windows: Windows, state: Array, tau
     ) -> PaperSense:
-        mu, gradient = extended_margins(world, problem, robot.position(state))
+        mu, gradient = extended_margins(robot, world, problem, state)
         return PaperSense(check(problem, windows, tau, mu, gradient))
 
 

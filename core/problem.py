@@ -1,12 +1,12 @@
 """A task grounded in a scene: everything a compiled program takes as data."""
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import jax
 import jax.numpy as jnp
 
 from core.grounding import COMBINATIONS, FormulaArrays
-from core.protocols import Array, World
+from core.protocols import Array, BodiedRobot, Robot, World
 
 SAMPLES_INSIDE = 64
 """Positions kept per subgoal for exploring starts."""
@@ -23,6 +23,8 @@ class Problem(NamedTuple):
     inside: Array  # [G, S, d] positions that satisfy each subgoal's predicate [m]
     center: Array  # [G, d] the deepest of them
     legs: Array  # [M, G, G] geodesic distance from one subgoal's region to another's [m]
+    on_body: Array | None = None
+    """[A] 1 for atoms that the whole body is held against, None where its position decides all."""
 
 
 def to_device(problem: Problem) -> Problem:
@@ -30,13 +32,33 @@ def to_device(problem: Problem) -> Problem:
     return jax.tree.map(lambda leaf: jnp.asarray(leaf, leaf.dtype), problem)
 
 
-def extended_margins(world: World, problem: Problem, position: Array) -> tuple[Array, Array]:
+def atom_margins(robot: Robot, world: World, problem: Problem, state: Array) -> tuple[Array, Array]:
+    """Margins of the atoms [A] in [m] in a state [n], and their gradients [A, d].
+
+    Those of the robot's position. Atoms that are `on_body` are entered as soon as any ball of the
+    body touches them: the largest, over position and balls, of margin plus radius.
+    """
+    margin, gradient = world.margins(problem.world, robot.position(state))
+    if problem.on_body is None:
+        return margin, gradient
+    centers, radii = cast(BodiedRobot, robot).body(state)
+    margins, gradients = jax.vmap(lambda center: world.margins(problem.world, center))(centers)
+    margins = jnp.concatenate([margin[None], margins + radii[:, None]])
+    gradients = jnp.concatenate([gradient[None], gradients])
+    deepest = jnp.where(problem.on_body > 0, margins.argmax(0), 0)
+    atom = jnp.arange(margin.shape[0])
+    return margins[deepest, atom], gradients[deepest, atom]
+
+
+def extended_margins(
+    robot: Robot, world: World, problem: Problem, state: Array
+) -> tuple[Array, Array]:
     """Margins of atoms and compound predicates: mu_ext [A + P] [m] and gradients [A + P, d].
 
     A compound predicate is max over its clauses of min over its signed atoms; its gradient is
     that of the atom which decides it.
     """
-    margin, gradient = world.margins(problem.world, position)
+    margin, gradient = atom_margins(robot, world, problem, state)
     formula = problem.formula
     signed = formula.clause_sign * margin[formula.clause_atom]
     literal = jnp.where(formula.clause_sign == 0, jnp.inf, signed)

@@ -17,7 +17,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.algorithm import Algorithm
-from core.collection import Batch, collect, explore, finish, prepare, settle
+from core.collection import (
+    Batch,
+    collect,
+    collect_layouts,
+    explore,
+    finish,
+    prepare,
+    settle,
+)
 from core.grounding import MAX_VARIABLES
 from core.learner import LearnerState, make_optimizer, update
 from core.physics import MeasuredRobot, Physics, physics_of
@@ -147,7 +155,8 @@ def fresh_learner(task: Task, algorithm: Algorithm, seed: int) -> LearnerState:
 
 
 def _collect(setting: Setting, problem: Problem, state: LearnerState) -> Batch:
-    return collect(setting, problem, *_collected_with(state))
+    gather = collect if setting.algorithm.layouts == 1 else collect_layouts
+    return gather(setting, problem, *_collected_with(state))
 
 
 def _collected_with(state: LearnerState) -> tuple[Any, ...]:
@@ -208,11 +217,12 @@ def _training_programs(setting: Setting, shapes: _Shapes) -> TrainingPrograms:
     state = _learner_shapes(setting, shapes)
     physics = physics_of(setting.robot)
     with ThreadPoolExecutor(1) as pool:
-        traced = jax.jit(partial(_collect, setting)).trace(shapes.struct, state)
+        problem = _stacked(shapes.struct, setting.algorithm.layouts)
+        traced = jax.jit(partial(_collect, setting)).trace(problem, state)
         collector = pool.submit(_compile, traced)
         learner = jax.jit(partial(update, setting)).lower(state, traced.out_info).compile()
         model = truth = collector.result()
-    if physics is not None:
+    if physics is not None and setting.algorithm.layouts == 1:
         truth = _physical_collection(physics, _measured(setting), shapes, state)
     return TrainingPrograms(model, truth, learner)
 
@@ -243,6 +253,15 @@ def _physical_collection(
     finished = jax.jit(finish).trace(plan, stage, transitions)
     pieces = CollectionPieces(*_compile_all(prepared, acting, settled, finished))
     return partial(collect_in_physics, physics, pieces, setting.steps)
+
+
+def _stacked(problem: Problem, layouts: int) -> Problem:
+    """Shapes of the problems of several layouts, stacked; of one problem as it is."""
+    if layouts == 1:
+        return problem
+    return jax.tree.map(
+        lambda leaf: jax.ShapeDtypeStruct((layouts, *leaf.shape), leaf.dtype), problem
+    )
 
 
 @cache

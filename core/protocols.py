@@ -82,6 +82,14 @@ class Robot(Protocol):
         ...
 
 
+class BodiedRobot(Robot, Protocol):
+    """A robot that is more than a point: obstacles may be held against its whole body."""
+
+    def body(self, state: Array) -> tuple[Array, Array]:
+        """Centres [B, d] and radii [B] of balls that cover it [m]."""
+        ...
+
+
 class World(Protocol):
     """Geometry behind the atoms. `data` is the pytree that the world made for a scene."""
 

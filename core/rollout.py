@@ -6,6 +6,7 @@ Dimensions: N schedules, R rollouts, L steps, K candidates, V variables, f and g
 policy and critic, n state, m action, d position, A atoms.
 """
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -14,7 +15,7 @@ import jax.numpy as jnp
 from core.algorithm import Algorithm
 from core.episode import Episode
 from core.networks import Networks, Parameters, make_networks
-from core.problem import Problem
+from core.problem import Problem, atom_margins
 from core.protocols import Array, Robot, World
 from core.sampler import travelable_schedules, uniform_schedules
 from core.windows import Windows, leg_slack, windows_of
@@ -184,9 +185,7 @@ def proceed(
 def trace_margins(setting: Setting, problem: Problem, states: Array) -> Array:
     """Margins of the atoms [L, R, A] in states [L, R, n], in [m]."""
     flat = states.reshape(-1, states.shape[-1])
-    margins, _ = jax.vmap(
-        lambda x: setting.world.margins(problem.world, setting.robot.position(x))
-    )(flat)
+    margins, _ = jax.vmap(partial(atom_margins, setting.robot, setting.world, problem))(flat)
     return margins.reshape(*states.shape[:2], -1)
 
 

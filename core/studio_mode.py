@@ -204,7 +204,7 @@ class StudioMode:
         self, robot: Robot, world: World, problem: Problem, windows: Windows, state: Array, tau
     ) -> Sense:
         position = robot.position(state)
-        mu, gradient = extended_margins(world, problem, position)
+        mu, gradient = extended_margins(robot, world, problem, state)
         checks = check(problem, windows, tau, mu, gradient)
         rank, holding = _target(windows, tau)
         live = (rank < windows.count).astype(jnp.float32)

@@ -1,5 +1,6 @@
 """A task: a formula grounded in a robot's world."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,6 +8,16 @@ from core.grounding import Grounding
 from core.problem import Problem
 from core.protocols import Robot, World
 from core.stl import Formula
+
+
+@dataclass(frozen=True, eq=False)
+class Layouts:
+    """Other layouts of a task, for learning what holds in all of them."""
+
+    training: Callable[[int], Problem]
+    """The n-th layout to learn on, always the same one."""
+    held_out: tuple[Problem, ...]
+    """Layouts that are only evaluated on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,6 +29,7 @@ class Task:
     world: World
     grounding: Grounding
     problem: Problem
+    layouts: Layouts | None = None
 
     @property
     def formula(self) -> Formula:

@@ -17,10 +17,12 @@ import numpy as np
 
 from core.algorithm import Algorithm
 from core.collection import Batch
-from core.evaluation import Evaluation, evaluate, trace_robustness
+from core.evaluation import Evaluation, evaluate, evaluate_layouts, trace_robustness
+from core.layouts import epoch_problems
 from core.learner import LearnerState
 from core.networks import Parameters
 from core.paper_mode import PaperMode
+from core.problem import Problem
 from core.programs import (
     TrainingPrograms,
     evaluation_programs,
@@ -44,7 +46,7 @@ class TrainingConfig:
     target: float = 0.995
     """Stop at an evaluation of at least this success rate; above 1 trains to the end."""
     evaluate_every: int = 5
-    """Epochs between evaluations of 512 rollouts."""
+    """Epochs between evaluations."""
 
 
 class RunState(NamedTuple):
@@ -94,21 +96,24 @@ def train(task: Task, config: TrainingConfig, resume: RunState | None = None) ->
             the uninterrupted run would have given.
     """
     algorithm = config.algorithm
+    state = resume if resume is not None else fresh_state(task, config)
+    problems = epoch_problems(task, algorithm, int(state.epoch) + 1)
     compiling = time.perf_counter()
     with ThreadPoolExecutor(1) as pool:
-        evaluators_job = pool.submit(evaluation_programs, task, algorithm)
+        evaluators_job = pool.submit(
+            evaluation_programs, task, algorithm, algorithm.evaluation_states
+        )
         programs = training_programs(task, algorithm)
         evaluators = evaluators_job.result()
     compile_seconds = time.perf_counter() - compiling
-    state = resume if resume is not None else fresh_state(task, config)
     began = time.perf_counter() - float(state.seconds)
     while not _done(state, config, began):
         epoch = int(state.epoch) + 1
-        learner, batch = _epoch(task, programs, algorithm, state.learner, epoch)
+        learner, batch = _epoch(task, problems(epoch), programs, algorithm, state.learner, epoch)
         evaluation = None
         if epoch % config.evaluate_every == 0 or epoch == config.epochs:
             key = jax.random.fold_in(jax.random.key(config.seed), 2**20 + epoch)
-            evaluation = evaluate(task, evaluators, learner.parameters, key)
+            evaluation = evaluate_layouts(task, evaluators, learner.parameters, key)
         jax.block_until_ready(learner)
         state = _after(state, learner, evaluation, config, epoch, time.perf_counter() - began)
         yield Progress(
@@ -151,6 +156,7 @@ def _done(state: RunState, config: TrainingConfig, began: float) -> bool:
 
 def _epoch(
     task: Task,
+    problem: Problem,
     programs: TrainingPrograms,
     algorithm: Algorithm,
     learner: LearnerState,
@@ -158,7 +164,7 @@ def _epoch(
 ) -> tuple[LearnerState, Batch]:
     in_model = epoch <= algorithm.model_epochs
     collect = programs.collect if in_model else programs.collect_in_physics
-    batch = collect(task.problem, learner)
+    batch = collect(problem, learner)
     if isinstance(algorithm.mode, PaperMode):
         batch = _with_terminal_robustness(task, batch, algorithm.mode.scale)
     return programs.update(learner, batch), batch

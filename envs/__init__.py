@@ -14,4 +14,25 @@ ENVS: MappingProxyType[str, Robot] = MappingProxyType(
 )
 """The robots by name."""
 
-__all__ = ["ENVS", "Ant", "Linear", "Panda", "Quadrotor", "Robot", "Unicycle"]
+VARIANTS: MappingProxyType[str, Robot] = MappingProxyType(
+    {"links": Panda(links=True), "raw-motors": Quadrotor(raw_motors=True)}
+)
+"""Other readings of robots, by the names that scenes give them."""
+
+
+def make_robot(name: str, variant: str = "") -> Robot:
+    """A robot, or a variant of it."""
+    return VARIANTS[variant] if variant else ENVS[name]
+
+
+__all__ = [
+    "ENVS",
+    "VARIANTS",
+    "Ant",
+    "Linear",
+    "Panda",
+    "Quadrotor",
+    "Robot",
+    "Unicycle",
+    "make_robot",
+]

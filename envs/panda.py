@@ -6,6 +6,13 @@ Limits of joints and velocities are Franka's (Franka Control Interface documenta
 interface specifications"), as are the parameters of Craig's modified Denavit-Hartenberg table.
 The position that formulas speak about is the point between the fingers of Franka's hand, 0.1034 m
 in front of the flange, in the frame of the robot's base: x forward, z up, origin at its foot.
+
+The paper's predicates are about the end effector alone; so are they here by default. With `links`
+obstacles are held against the whole arm: a region that the formula only ever forbids is entered
+as soon as a link enters it. Its margin is then the largest over the arm, and `!B` holds where it
+is negative. Regions that are also to be visited, and the walls of the workspace, in one of which
+the arm stands, remain the end effector's. Links are capsules (`LINKS`), each covered by balls:
+nothing in a capsule is missed, and a ball reaches at most 9 mm beyond it.
 """
 
 from dataclasses import dataclass
@@ -27,6 +34,22 @@ DENAVIT_HARTENBERG = (
 FLANGE = 0.107
 """From the seventh joint's origin to the flange [m]."""
 
+LINKS = (
+    ("shoulder", "elbow", 0.07),
+    ("elbow", "elbow pivot", 0.07),
+    ("forearm", "wrist", 0.06),
+    ("wrist", "hand", 0.06),
+    ("hand", "palm", 0.05),
+)
+"""Capsules of the arm: the points between which each extends and its radius [m], about those of
+Franka's housings. The hand's ends 5 mm above the tip: the fingers are thinner than it."""
+
+BALLS = (6, 3, 7, 3, 5)
+"""Balls that cover each capsule."""
+
+PALM = 0.045
+"""Where the hand's capsule ends, from the flange [m]."""
+
 READY = (0.0, -0.7853982, 0.0, -2.3561945, 0.0, 1.5707963, 0.7853982)
 """Franka's ready posture [rad]."""
 
@@ -40,6 +63,7 @@ class Panda:
         low: Least joint angles in [rad].
         high: Largest joint angles in [rad].
         max_velocity: Largest joint velocities in [rad/s].
+        links: Whether obstacles are held against the links too.
         tool: From the flange to the point between the fingers in [m].
         speed: Planning speed of the end effector in [m/step], 0.9 m/s: what the slowest direction
             allows from the ready posture.
@@ -56,6 +80,7 @@ class Panda:
     low: tuple[float, ...] = (-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973)
     high: tuple[float, ...] = (2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973)
     max_velocity: tuple[float, ...] = (2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61)
+    links: bool = False
     tool: float = 0.1034
     speed: float = 0.045
     lag: float = 3.0
@@ -126,6 +151,26 @@ class Panda:
             origins.append(point)
         tip = point + (FLANGE + self.tool) * z
         return jnp.stack(turns, -3), jnp.stack(origins, -2), tip
+
+    def body(self, state: jax.Array) -> tuple[jax.Array, jax.Array]:
+        """Centres [24, 3] and radii [24] in [m] of balls that cover the links."""
+        axes, origins, _ = self.kinematics(state)
+        points = {
+            "shoulder": origins[1],
+            "elbow": origins[2],
+            "elbow pivot": origins[3],
+            "forearm": origins[4] - DENAVIT_HARTENBERG[4][1] * axes[4],
+            "wrist": origins[5],
+            "hand": origins[6],
+            "palm": origins[6] + (FLANGE + PALM) * axes[6],
+        }
+        centers, radii = [], []
+        for (begin, end, radius), count in zip(LINKS, BALLS, strict=True):
+            start, along = points[begin], points[end] - points[begin]
+            gap = jnp.linalg.norm(along) / (count - 1)
+            centers.append(start + jnp.linspace(0.0, 1.0, count)[:, None] * along)
+            radii.append(jnp.full(count, jnp.hypot(radius, gap / 2)))
+        return jnp.concatenate(centers), jnp.concatenate(radii)
 
     def jacobian(self, state: jax.Array) -> jax.Array:
         """Derivative [3, 7] of the end effector's position in [m/rad]."""

@@ -1,5 +1,6 @@
 """Regions, scenes and the shipped tasks."""
 
+from scenes.layouts import walls
 from scenes.margins import RegionArrays, margins, margins_and_gradients, region_arrays
 from scenes.regions import Region, SceneError
 from scenes.scene import (
@@ -47,5 +48,6 @@ __all__ = [
     "region_arrays",
     "save_scene",
     "task_names",
+    "walls",
     "world_arrays",
 ]

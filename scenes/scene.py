@@ -8,6 +8,8 @@ The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's
     horizon = 100  # steps        seed = 1007         formula = "F_[0:90](A1)"
     [initial]      kind, center, size                 # where episodes start
     [regions.A1]   kind, center, size, color?         # one table a region, in order
+
+`variant = "..."` beside them asks for another reading of the robot, one of `VARIANTS`.
 """
 
 import json
@@ -32,6 +34,9 @@ WORKSPACE_DIMENSION = MappingProxyType(
     {"linear": 2, "unicycle": 2, "panda": 3, "quadrotor": 3, "ant": 2}
 )
 """Dimension of the space in which each robot's regions live (a test holds it equal to `ENVS`)."""
+
+VARIANTS = MappingProxyType({"panda": ("links",), "quadrotor": ("raw-motors",)})
+"""Other readings of the robots (a test holds the names equal to those of `envs.VARIANTS`)."""
 
 DEMO = "-demo"
 """Ends the name of a robot's demo, beside the numbers of the paper's tasks."""
@@ -58,6 +63,7 @@ class Scene:
         seed: Seed of the training.
         regions: In drawing order, names unique.
         initial: The set of initial positions (its name is not an atom).
+        variant: One of the robot's `VARIANTS`, empty for the robot as it is.
     """
 
     name: str
@@ -68,6 +74,7 @@ class Scene:
     seed: int
     regions: tuple[Region, ...]
     initial: Region
+    variant: str = ""
 
     def __post_init__(self):
         for field, longest in (("name", 80), ("title", 200), ("formula", LONGEST_FORMULA)):
@@ -75,6 +82,10 @@ class Scene:
         if not isinstance(self.robot, str) or self.robot not in WORKSPACE_DIMENSION:
             hint = allowed(self.robot, WORKSPACE_DIMENSION)
             raise SceneError(f"robot: unknown {self.robot!r}. {hint}")
+        variants = VARIANTS.get(self.robot, ())
+        if self.variant != "" and self.variant not in variants:
+            known = allowed(self.variant, variants) if variants else "Allowed: none"
+            raise SceneError(f"variant: unknown {self.variant!r} of {self.robot!r}. {known}")
         _check_integer("horizon", self.horizon, 1, LARGEST_HORIZON)
         _check_integer("seed", self.seed, 0, LARGEST_SEED)
         self._check_regions()
@@ -173,6 +184,8 @@ def format_scene(scene: Scene) -> str:
     lines = [f"format = {FORMAT}"]
     for field in ("name", "title", "robot"):
         lines.append(f"{field} = {_quoted(getattr(scene, field))}")
+    if scene.variant:
+        lines.append(f"variant = {_quoted(scene.variant)}")
     lines += [f"horizon = {scene.horizon}", f"seed = {scene.seed}"]
     lines += [f"formula = {_quoted_lines(scene.formula)}", "", "[initial]"]
     lines += _region_lines(scene.initial)
@@ -197,7 +210,7 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
         given = "is missing" if version is None else f"{version!r} is not known"
         raise SceneError(f"format: {given}; this program reads format = {FORMAT}")
     required = tuple(field for field in _SCENE_FIELDS if field != "regions")
-    _check_fields(table, required, ("format", "regions"), "")
+    _check_fields(table, required, ("format", "regions", "variant"), "")
     rows = table.get("regions", {})
     if not isinstance(rows, dict):
         raise SceneError("regions: must be tables [regions.NAME]")
@@ -206,7 +219,8 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
     if isinstance(values["formula"], str):
         values["formula"] = values["formula"].strip("\r\n")
     initial = _region_from("initial", table["initial"], "initial")
-    return Scene(**values, regions=regions, initial=initial)
+    variant = table.get("variant", "")
+    return Scene(**values, regions=regions, initial=initial, variant=variant)
 
 
 def _region_from(name: str, table: Any, field: str) -> Region:

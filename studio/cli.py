@@ -42,6 +42,10 @@ class Options:
     formula: Annotated[str | None, _shown("TEXT")] = None
     """A formula instead of the task's own."""
 
+    variant: Annotated[str | None, _shown("NAME", "the scene's")] = None
+    """Another reading of the robot: links (panda) holds obstacles against the whole arm, raw-motors
+    (quadrotor) acts by motor forces."""
+
     train_only: Flag = False
     """Train without the page. Ends with one JSON line."""
     method: Literal["tgpo", "tgpo-star"] = "tgpo-star"
@@ -56,6 +60,8 @@ class Options:
     """Most seconds of training, compilation apart."""
     target: Annotated[float | None, _shown("SHARE", "0.995")] = None
     """Success rate at which the training stops; above 1 it goes on to the last epoch."""
+    randomize: Flag = False
+    """Train on many perturbed layouts of the regions, for a policy that carries over to others."""
     out: Annotated[Path | None, _shown("DIR", "runs/TASK-METHOD-SEED, numbered")] = None
     """Run directory."""
 
@@ -63,6 +69,8 @@ class Options:
     """Go on with a run from its last checkpoint; the budget may be given anew."""
     evaluate: Folder = None
     """Measure the policy of a run or a bundle on 512 initial states, on --task if given."""
+    layouts: Annotated[int | None, _shown("INT", "none")] = None
+    """With --evaluate: measure also on this many perturbed layouts that no training has seen."""
     list: Flag = False
     """Print the shipped tasks."""
 
@@ -81,12 +89,15 @@ class Options:
 
 
 TASK = {"task", "scene", "formula", "no_cache"}
+MOST_LAYOUTS = 1000
 BUDGET = {"epochs", "time_limit", "target"}
 ALLOWED = {
     "list": {"list"},
-    "evaluate": TASK | {"evaluate", "seed"},
+    "evaluate": TASK | {"evaluate", "seed", "layouts", "variant"},
     "resume": BUDGET | {"resume", "train_only", "no_cache"},
-    "train_only": TASK | BUDGET | {"train_only", "method", "mode", "seed", "out"},
+    "train_only": TASK
+    | BUDGET
+    | {"train_only", "method", "mode", "seed", "randomize", "variant", "out"},
     "page": TASK | {"host", "port", "token", "load", "no_browser"},
 }
 """Options that have a meaning for each action; the first action that is asked for counts."""
@@ -129,6 +140,8 @@ def _action(options: Options) -> Callable[[], int]:
         raise UserError("--task and --scene exclude each other; give one of them")
     if options.load is not None and (options.task is not None or options.scene is not None):
         raise UserError("--load brings its own scene; give neither --task nor --scene with it")
+    if options.layouts is not None and not 1 <= options.layouts <= MOST_LAYOUTS:
+        raise UserError(f"--layouts: {options.layouts} must be from 1 to {MOST_LAYOUTS}")
     if not 0 <= options.port < 2**16:
         raise UserError(f"--port: {options.port} must be from 0 to 65535")
     return lambda: _run(action, options)

@@ -45,6 +45,8 @@ class Session:
         self.settings = Settings()
         self.queued: Specification | None = None
         """What is trained on when the present training has ended."""
+        self.leaving: Callable[[], None] | None = None
+        """A change of scene that waits for a word on the training that it would end."""
         self.error = ""
         self.gallery = Gallery()
         self.highlighted: tuple[str, ...] = ()
@@ -115,6 +117,19 @@ class Session:
         self._pass_on()
         self.player.tick(now)
 
+    def leave(self, change: Callable[[], None]) -> None:
+        """Go to another scene: now, or after `confirm` where a training would be lost."""
+        if self.training.busy:
+            self.leaving = change
+        else:
+            change()
+
+    def confirm(self, go: bool) -> None:
+        """Make the change of scene that waits, or drop it."""
+        change, self.leaving = self.leaving, None
+        if go and change is not None:
+            change()
+
     def choose_task(self, name: str) -> None:
         """Go to a shipped task; what was learnt on the last one is dropped."""
         self.open(load_task(name))
@@ -139,7 +154,7 @@ class Session:
         self.analyst.forget()
         self.gallery.clear()
         self.player.load(None)
-        self.queued = None
+        self.queued = self.leaving = None
         self._draft = self._refused = self._shown = self._trained = None
         self.document = Document(scene)
         self.editor = Editor(self.document)

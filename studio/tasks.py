@@ -2,15 +2,16 @@
 
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from core.decompose import Decomposition, decompose
 from core.grounding import COMBINATIONS, MAX_ATOMS, MAX_SUBGOALS, Grounding, ground
 from core.problem import SAMPLES_INSIDE, Problem, to_device
-from core.stl import parse
+from core.stl import Atom, Formula, Not, children, negation_normal_form, parse
 from core.task import Task
-from envs import ENVS
+from envs import Robot, make_robot
 from scenes import (
     AIRSPACE,
     COURTYARD,
@@ -20,6 +21,7 @@ from scenes import (
     GridWorld,
     Scene,
     goal_geometry,
+    walls,
     world_arrays,
 )
 
@@ -33,13 +35,18 @@ WORLDS: dict[str, GridWorld] = {
 """Workspace by robot."""
 
 
+def robot_of(scene: Scene) -> Robot:
+    """The robot of a scene, in its variant."""
+    return make_robot(scene.robot, scene.variant)
+
+
 def decompose_scene(scene: Scene) -> Decomposition:
     """Parse and decompose a scene's formula.
 
     Raises:
         UserError: with the place in the formula.
     """
-    robot = ENVS[scene.robot]
+    robot = robot_of(scene)
     return decompose(parse(scene.formula, dt=robot.dt, names=scene.region_names))
 
 
@@ -52,7 +59,7 @@ def build_task(scene: Scene, formula: str | None = None) -> Task:
     """
     if formula is not None:
         scene = replace(scene, formula=formula)
-    robot = ENVS[scene.robot]
+    robot = robot_of(scene)
     world = WORLDS[robot.name]
     grounding = ground(decompose_scene(scene), scene.region_names, scene.horizon)
     goals = [task.predicate for task in grounding.subgoals]
@@ -79,5 +86,30 @@ def _problem(
     flat = fields.reshape(MAX_SUBGOALS * COMBINATIONS, *shape, 1 + dimension)
     data = world_arrays(scene, MAX_ATOMS, flat)
     return to_device(
-        Problem(grounding.arrays, data, jnp.asarray(inside), jnp.asarray(center), jnp.asarray(legs))
+        Problem(
+            grounding.arrays,
+            data,
+            jnp.asarray(inside),
+            jnp.asarray(center),
+            jnp.asarray(legs),
+            _on_body(scene, world, grounding) if scene.variant == "links" else None,
+        )
     )
+
+
+def _on_body(scene: Scene, world: GridWorld, grounding: Grounding) -> jax.Array:
+    """[A] 1 for obstacles: what the formula only ever forbids, but for the workspace's walls."""
+    formula = negation_normal_form(grounding.decomposition.formula)
+    spared = _wanted_names(formula) | {wall.name for wall in walls(scene, world)}
+    rows = [name not in spared for name in scene.region_names]
+    return jnp.asarray(rows + [False] * (MAX_ATOMS - len(rows)), jnp.float32)
+
+
+def _wanted_names(formula: Formula) -> set[str]:
+    """Names of the atoms that do not stand directly behind a negation, in normal form."""
+    match formula:
+        case Atom(name):
+            return {name}
+        case Not(Atom()):
+            return set()
+    return {name for child in children(formula) for name in _wanted_names(child)}

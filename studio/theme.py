@@ -17,8 +17,22 @@ KIND_COLOR = {Kind.REACH: "#1e6091", Kind.STAY: "#0b7285", Kind.INVARIANT: "#8a4
 KIND_FILL = {Kind.REACH: "#dcecf8", Kind.STAY: "#d9f2f3", Kind.INVARIANT: "#f8e9dc"}
 """Its background."""
 
+
+def themed(name: str, light: str) -> str:
+    """A colour of the light theme, and whatever `STYLE` calls `--tg-<name>` in the dark one."""
+    return f"var(--tg-{name}, {light})"
+
+
 STYLE = """
 <style>
+[data-mantine-color-scheme="dark"] { --tg-time: #f783ac; --tg-good: #69db7c; --tg-bad: #ff8787;
+  --tg-reach-fill: #17344b; --tg-reach-ink: #8ec5ee; --tg-stay-fill: #123b40;
+  --tg-stay-ink: #74d3df; --tg-invariant-fill: #45301f; --tg-invariant-ink: #eab98f;
+  --tg-holding: #1d3323; --tg-met: #24512f; --tg-violated: #5c2323; }
+[data-mantine-color-scheme="dark"] .tg-error { background: #3b1d1d; color: #ffb3b3; }
+[data-mantine-color-scheme="dark"] .tg-warn { background: #3a2a10; color: #ffd591; }
+[data-mantine-color-scheme="dark"] .tg-tour { background: #142c3d; color: #b5d9f2; }
+[data-mantine-color-scheme="dark"] [role="tab"][data-active] { color: #74b6e4; }
 .tg { padding: 0 0.75em 0.6em; font-size: 0.875em; line-height: 1.45;
   color: var(--mantine-color-text); }
 .tg-dim { color: var(--mantine-color-dimmed); }
@@ -64,9 +78,12 @@ STYLE = """
 .tg-leaf { cursor: pointer; }
 .tg-leaf rect { transition: fill 0.2s; }
 .tg-leaf:hover rect { stroke-opacity: 1; stroke-width: 1.8; }
-.tg-legend { margin-top: 0.45em; display: flex; flex-wrap: wrap; gap: 0.35em; align-items: center; }
+.tg-legend { margin-top: 0.45em; display: flex; gap: 0.35em; align-items: center;
+  overflow-x: auto; white-space: nowrap; padding: 2px; }
+.tg-legend > * { flex: none; }
 .tg-chip { font: inherit; font-size: 0.9em; cursor: pointer; border-radius: 999px; color: inherit;
-  border: 1px solid var(--mantine-color-gray-4); background: transparent; padding: 0 0.7em; }
+  border: 1px solid var(--mantine-color-default-border); background: transparent;
+  padding: 0 0.7em; }
 .tg-chip[aria-pressed="true"] { border-color: #1e6091; box-shadow: 0 0 0 1px #1e6091; }
 .tg-chip .tg-dot { border-radius: 50%; }
 .tg-sample { font-weight: 600; }

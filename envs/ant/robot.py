@@ -23,7 +23,7 @@ import jax
 import jax.numpy as jnp
 
 from core.physics import Physics
-from envs.ant.gait import shipped_gait
+from envs.ant.gait import REACH, shipped_gait
 from envs.ant.model import DT, POSITIONS, STANDING, STATE
 
 Simulator = Literal["auto", "native", "mjx"]
@@ -50,11 +50,11 @@ class Ant:
 
     dt: float = DT
     simulator: Simulator = "auto"
-    reach: float = 0.6
-    top_speed: float = 1.54
-    dead: float = 0.067
-    near: float = 0.524
-    response: float = 0.17
+    reach: float = REACH
+    top_speed: float = 1.47
+    dead: float = 0.08
+    near: float = 0.49
+    response: float = 0.18
     speed: float = 0.0625
     lag: float = 8.0
     length: float = 0.6

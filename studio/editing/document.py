@@ -68,9 +68,9 @@ class Document:
         """Do the step again that was taken back last; returns its label, None if there is none."""
         return self._history.redo()
 
-    def mark_saved(self) -> None:
-        """Remember that the scene was written."""
-        self._saved = self.scene
+    def mark_saved(self, scene: Scene | None = None) -> None:
+        """Remember that a scene was written, by default the present one."""
+        self._saved = self.scene if scene is None else scene
 
     def matches(self, trained: Scene) -> bool:
         """Whether what is learnt on a scene holds for this one; see `meaning`."""

@@ -55,7 +55,7 @@ def curve_svg(heatmap: Heatmap, variables: Sequence[Variable], drawing: Drawing)
         )
     parts.append(
         f'<rect class="tg-cells" x="{LEFT}" y="{TOP}" width="{PLOT}" height="{HEIGHT}" '
-        'fill="transparent" style="cursor:crosshair;stroke:var(--mantine-color-gray-5)" '
+        'fill="transparent" style="cursor:crosshair;stroke:var(--mantine-color-default-border)" '
         f"{handlers(heatmap, variables, drawing)}/>"
     )
     drawn = svg.document(WIDTH, TOP + HEIGHT + BOTTOM, parts, "the critic over a time variable")
@@ -76,7 +76,7 @@ def _vertical(low: float, high: float) -> list[str]:
         y = TOP + HEIGHT * (high - tick) / (high - low)
         parts.append(
             f'<line x1="{LEFT}" y1="{y:.1f}" x2="{LEFT + PLOT}" y2="{y:.1f}" '
-            'stroke="var(--mantine-color-gray-3)"/>'
+            'stroke="var(--mantine-color-default-border)"/>'
         )
         parts.append(svg.text(LEFT - 7, y + 3.5, f"{tick:g}", size=10, anchor="end", color=MUTED))
     turn = f'transform="rotate(-90 12 {TOP + HEIGHT / 2})"'

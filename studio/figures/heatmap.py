@@ -73,7 +73,7 @@ def heatmap_svg(heatmap: Heatmap, variables: Sequence[Variable], drawing: Drawin
         f'<path class="tg-ruled-out" d="{_ruled_out(heatmap, height)}" '
         'fill="url(#tg-hatch)" pointer-events="none"/>',
         f'<rect x="{LEFT}" y="{TOP}" width="{PLOT}" height="{height}" fill="none" '
-        'style="stroke:var(--mantine-color-gray-5);pointer-events:none"/>',
+        'style="stroke:var(--mantine-color-default-border);pointer-events:none"/>',
         *horizontal_axis(heatmap, variables, height),
         *_vertical(heatmap, variables, height),
         *_legend(low, high, height),
@@ -211,5 +211,5 @@ def _mark(heatmap: Heatmap, mark: Mark, height: float) -> str:
 def _line(x1: float, y1: float, x2: float, y2: float) -> str:
     return (
         f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" '
-        'stroke="var(--mantine-color-gray-5)"/>'
+        'stroke="var(--mantine-color-default-border)"/>'
     )

@@ -5,14 +5,15 @@ import numpy as np
 from core.decompose import Decomposition
 from core.monitor import LeafStatus
 from studio.figures.tree import leaf_id, leaves
-from studio.theme import BAD, GOOD
+from studio.theme import BAD, GOOD, themed
 
+GOOD_INK, BAD_INK = themed("good", GOOD), themed("bad", BAD)
 STYLES = {
     LeafStatus.INACTIVE: ("", "", "opacity:0.35"),
     LeafStatus.PENDING: ("", "", ""),
-    LeafStatus.HOLDING: ("#ebfbee", GOOD, "stroke-dasharray:3 2"),
-    LeafStatus.MET: ("#b2f2bb", GOOD, ""),
-    LeafStatus.VIOLATED: ("#ffc9c9", BAD, ""),
+    LeafStatus.HOLDING: (themed("holding", "#ebfbee"), GOOD_INK, "stroke-dasharray:3 2"),
+    LeafStatus.MET: (themed("met", "#b2f2bb"), GOOD_INK, ""),
+    LeafStatus.VIOLATED: (themed("violated", "#ffc9c9"), BAD_INK, ""),
 }
 """Background, ink and more of a leaf."""
 

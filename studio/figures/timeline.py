@@ -83,6 +83,6 @@ def _grid(step: float, steps: int, bottom: float) -> str:
     x = _x(step, steps)
     return (
         f'<line x1="{x:.1f}" y1="2" x2="{x:.1f}" y2="{bottom}" '
-        'stroke="var(--mantine-color-gray-3)"/>'
+        'stroke="var(--mantine-color-default-border)"/>'
         + svg.text(x, bottom + 11, f"{step:g}", size=10, anchor="middle", color=MUTED)
     )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from core.decompose import Decomposition, Kind, Task, TreeNode
 from core.stl import to_math
 from studio.figures import svg
-from studio.theme import KIND_COLOR, KIND_FILL, MUTED, TIME
+from studio.theme import KIND_COLOR, KIND_FILL, MUTED, TIME, themed
 
 SIZE = 11  # of the font [px]
 ROW, BOX, INDENT, MARGIN = 26, 19, 16, 4  # [px]
@@ -140,11 +140,16 @@ def _draw(row: _Row, number: int, handlers: str) -> tuple[str, float]:
     leaf = f' class="tg-leaf" data-tasks="{leaf_id(row.tasks)}" {handlers}' if row.tasks else ""
     parts = [f"<g{leaf}><title>{svg.escape(row.hint)}</title>"]
     if row.edge:
-        parts.append(svg.text(x + 2, base, row.edge, size=SIZE, color=TIME, mono=True))
+        parts.append(
+            svg.text(x + 2, base, row.edge, size=SIZE, color=themed("time", TIME), mono=True)
+        )
         x += svg.mono_width(row.edge, SIZE) + 9
     width = svg.mono_width(row.label, SIZE) + 12
-    fill = "var(--mantine-color-gray-1)" if row.kind is None else KIND_FILL[row.kind]
-    ink = MUTED if row.kind is None else KIND_COLOR[row.kind]
+    fill, ink = "var(--mantine-color-default-hover)", MUTED
+    if row.kind is not None:
+        kind = row.kind.name.lower()
+        fill = themed(f"{kind}-fill", KIND_FILL[row.kind])
+        ink = themed(f"{kind}-ink", KIND_COLOR[row.kind])
     parts.append(
         f'<rect x="{x:.1f}" y="{top}" width="{width:.1f}" height="{BOX}" rx="4" '
         f'style="fill:{fill};stroke:{ink}" stroke-opacity="0.55"/>'
@@ -160,7 +165,7 @@ def _elbow(row: _Row, number: int) -> str:
     top, middle = row.parent * ROW + MARGIN + BOX, number * ROW + MARGIN + BOX / 2
     return (
         f'<path d="M{x} {top} V{middle - 4:.1f} q0 4 4 4 H{x + INDENT - 8}" fill="none" '
-        'stroke="var(--mantine-color-gray-4)"/>'
+        'stroke="var(--mantine-color-default-border)"/>'
     )
 
 

@@ -29,7 +29,6 @@ from core.grounding import Grounding
 from core.networks import Parameters
 from core.programs import EVALUATION_STATES, fresh_learner
 from core.task import Task
-from envs import ENVS
 from scenes import Scene, load_scene, save_scene
 from studio.files.controller import PLATFORMS, export_controller
 from studio.files.json_documents import (
@@ -39,7 +38,7 @@ from studio.files.json_documents import (
     read_document,
     write_document,
 )
-from studio.tasks import build_task
+from studio.tasks import build_task, robot_of
 
 FORMAT = 1
 """Version of the bundles that this program reads and writes."""
@@ -140,7 +139,7 @@ def _float(value: float | None) -> float:
 
 
 def _metadata(policy: Policy, task: Task) -> dict[str, Any]:
-    robot = ENVS[policy.scene.robot]
+    robot = robot_of(policy.scene)
     return {
         "format": FORMAT,
         "tgpo_studio": version(),
@@ -207,7 +206,7 @@ def _remove_beside(folder: Path) -> None:
 
 
 def _readme(policy: Policy, task: Task) -> str:
-    robot = ENVS[policy.scene.robot]
+    robot = robot_of(policy.scene)
     variables = task.grounding.decomposition.variables
     center = [*policy.scene.initial.center]
     state = center + [0.0] * (robot.state_size - len(center))

@@ -8,13 +8,14 @@ numbers are empty cells in CSV and NaN in npz.
 import csv
 import io
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
 from core.monitor import monitor_rows
 from core.stl import to_text
 from core.task import Task
-from envs import ENVS
+from envs import Robot
 
 FORMAT = 1
 """Version of the npz files."""
@@ -66,7 +67,7 @@ def rollout_table(
         actions: [L, m] as the policy gave them.
         margins: [L + 1, A] of the atoms, padding included or not [m].
     """
-    robot, names = ENVS[task.robot.name], task.grounding.atoms
+    robot, names = cast(Robot, task.robot), task.grounding.atoms
     variables = task.grounding.decomposition.variables
     length = task.horizon + 1
     margins = np.asarray(margins, float)[:length, : len(names)]

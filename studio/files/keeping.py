@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from core.errors import UserError
-from scenes import format_scene
+from scenes import Scene, format_scene
 from studio.figures.heatmap import Mark
 from studio.files.archives import ArchiveError, bundle_zip, read_policy_zip
 from studio.files.bundle import Policy, load_bundle
@@ -33,9 +33,8 @@ class Download(NamedTuple):
 Export = Callable[[Session], Download]
 
 
-def project_file(session: Session) -> Download:
-    """The scene with its formula."""
-    scene = session.document.scene
+def project_file(scene: Scene) -> Download:
+    """A scene with its formula."""
     return Download(download_name(scene.name, suffix=SUFFIX), format_scene(scene).encode())
 
 

@@ -135,6 +135,13 @@ class Autosave:
                 path.unlink()
         return True
 
+    def clear(self) -> None:
+        """Drop the versions: the work was saved elsewhere."""
+        for path in _versions(self.folder):
+            with suppress(OSError):
+                path.unlink()
+        self._saved = None
+
     def close(self, *, keep: bool = False) -> None:
         """End the session; with `keep`, its scene can be recovered (unsaved work)."""
         if not keep or self._version == 0:

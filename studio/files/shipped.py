@@ -29,6 +29,7 @@ SHIPPED = (
     "unicycle-demo",
     "panda-demo",
     "quadrotor-demo",
+    "ant-demo",
 )
 """Tasks with a policy."""
 

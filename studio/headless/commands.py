@@ -16,6 +16,7 @@ from studio.headless.config import make_config
 from studio.headless.reporting import Reporter, make_reporter
 from studio.headless.run import Run, default_folder
 from studio.headless.stopping import StopRequest, abort_process
+from studio.layouts import held_out
 from studio.tasks import build_task
 
 if TYPE_CHECKING:
@@ -39,8 +40,9 @@ def train_only(options: "Options") -> int:
         epochs=options.epochs,
         time_limit=options.time_limit,
         target=options.target,
+        randomize=options.randomize,
     )
-    task = build_task(scene)  # before a folder is made: a bad formula leaves no trace
+    task = config.build_task()  # before a folder is made: a bad formula leaves no trace
     folder = default_folder(RUNS, config) if options.out is None else options.out
     return _to_the_end(Run.create(folder, config, task))
 
@@ -71,7 +73,12 @@ def evaluate(options: "Options") -> int:
     seed = policy.seed if options.seed is None else options.seed
     began = time.perf_counter()
     config = TrainingConfig(policy.algorithm, seed=seed)
-    evaluation = final_evaluation(build_task(scene), config, policy.parameters)
+    task = build_task(scene)
+    evaluation = final_evaluation(task, config, policy.parameters)
+    layouts = [
+        final_evaluation(layout, config, policy.parameters).success_rate
+        for layout in held_out(scene, task, policy.algorithm, options.layouts or 0)
+    ]
     result = {
         "task": scene.name,
         "formula": " ".join(scene.formula.split()),
@@ -82,6 +89,7 @@ def evaluate(options: "Options") -> int:
         "success_rate": evaluation.success_rate,
         "robustness_mean": evaluation.robustness_mean,
         "initial_states": len(evaluation.robustness),
+        **({"layouts": layouts, "layouts_mean": sum(layouts) / len(layouts)} if layouts else {}),
         "seconds": round(time.perf_counter() - began, 3),
         "bundle": str(options.evaluate),
     }
@@ -97,7 +105,7 @@ def list_tasks() -> int:
 
 
 def chosen_scene(options: "Options", default: Scene | None = None) -> Scene:
-    """The scene of --task or --scene, with the formula of --formula.
+    """The scene of --task or --scene, with --formula and --variant.
 
     Raises:
         UserError: there is no such task or scene file, or it is malformed.
@@ -112,6 +120,8 @@ def chosen_scene(options: "Options", default: Scene | None = None) -> Scene:
         raise UserError("give --task NAME or --scene FILE.stl.toml; --list prints the tasks")
     if options.formula is not None:
         scene = replace(scene, formula=options.formula.strip())
+    if options.variant is not None:
+        scene = replace(scene, variant=options.variant)
     return scene
 
 

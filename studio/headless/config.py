@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from core.algorithm import make_algorithm
+from core.algorithm import make_algorithm, many_layouts
 from core.errors import UserError
+from core.task import Task
 from core.training import TrainingConfig
 from scenes import Scene, format_scene, parse_scene
 from studio.files.json_documents import (
@@ -19,12 +20,17 @@ from studio.files.json_documents import (
     read_algorithm,
     read_document,
 )
+from studio.layouts import randomized
+from studio.tasks import build_task
 
 FORMAT = 1
 """Version of the run directories that this program reads and writes."""
 
 EPOCHS = {"studio": 200, "paper": 1000}
 """Most epochs of a run by default; Table A.1 for `paper` (Linear, Unicycle)."""
+
+STUDIO_EPOCHS = {"ant": 60}
+"""The same in studio mode for robots whose last epochs are dear."""
 
 
 class RunError(UserError):
@@ -40,6 +46,15 @@ class RunConfig:
     mode: str
     method: str
     training: TrainingConfig
+
+    def build_task(self) -> Task:
+        """The grounded task, with the layouts that the training learns on.
+
+        Raises:
+            UserError: a formula or scene that cannot be grounded.
+        """
+        algorithm, seed = self.training.algorithm, self.training.seed
+        return randomized(self.scene, build_task(self.scene), algorithm, seed)
 
     def document(self) -> dict[str, Any]:
         """As JSON values; `formula` stands beside the scene for whoever reads the file."""
@@ -70,6 +85,7 @@ def make_config(
     epochs: int | None = None,
     time_limit: float | None = None,
     target: float | None = None,
+    randomize: bool = False,
 ) -> RunConfig:
     """Configuration of a run; None stands for the default.
 
@@ -77,8 +93,15 @@ def make_config(
         UserError: a value that is not allowed.
     """
     algorithm = make_algorithm(mode, method, scene.robot)  # pyright: ignore[reportArgumentType]
+    if mode == "paper" and scene.variant == "links":
+        raise RunError("the paper's mode looks at the end effector alone. Available: ['studio']")
+    if randomize:
+        algorithm = many_layouts(algorithm)
+    default_epochs = EPOCHS[mode]
+    if mode == "studio":
+        default_epochs = STUDIO_EPOCHS.get(scene.robot, default_epochs)
     default = TrainingConfig(
-        algorithm, seed=scene.seed if seed is None else seed, epochs=EPOCHS[mode]
+        algorithm, seed=scene.seed if seed is None else seed, epochs=default_epochs
     )
     training = with_budget(default, epochs=epochs, time_limit=time_limit, target=target)
     return RunConfig(scene, mode, method, training)

@@ -30,7 +30,6 @@ from studio.files.bundle import Policy, save_bundle
 from studio.files.json_documents import plain, write_document
 from studio.headless.config import FORMAT, RunConfig, RunError, read_config, with_budget
 from studio.headless.events import EventLog
-from studio.tasks import build_task
 
 CHECKPOINT_SECONDS = 5.0
 """Training time between checkpoints at most, unless one epoch takes longer [s]."""
@@ -86,7 +85,7 @@ class Run:
             RunError: the folder holds something, or cannot be made.
             UserError: the task cannot be built.
         """
-        task = build_task(config.scene) if task is None else task
+        task = config.build_task() if task is None else task
         try:
             if folder.exists() and any(folder.iterdir()):
                 raise RunError(
@@ -111,7 +110,7 @@ class Run:
         config = read_config(folder)
         training = with_budget(config.training, **budget)
         config = replace(config, training=training)
-        task = build_task(config.scene)
+        task = config.build_task()
         found = load_checkpoint(folder / "checkpoints", fresh_state(task, training))
         state, notes = None, ("no checkpoint yet: the run starts from its beginning",)
         if found is not None:

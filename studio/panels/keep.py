@@ -22,6 +22,9 @@ ROLLOUT: dict[str, Export] = {
 PICTURES: dict[str, Export] = {"Heatmap": keeping.heatmap_file, "Tree": keeping.tree_file}
 
 
+UNSAVED = '<div class="tg tg-unsaved">● Unsaved changes</div>'
+
+
 class KeepPanel:
     """Buttons, and below them what became of the last one."""
 
@@ -29,6 +32,7 @@ class KeepPanel:
         self._session = session
         self._said = ""
         with gui.add_folder("Project"):
+            self._unsaved = Html(gui)
             save = gui.add_button("Save project", icon=viser.Icon.DEVICE_FLOPPY)
             opened = gui.add_upload_button(
                 "Open project (*.stl.toml)",
@@ -48,7 +52,7 @@ class KeepPanel:
             rollout = gui.add_button_group("Rollout", list(ROLLOUT))
             pictures = gui.add_button_group("Pictures", list(PICTURES))
         self._status = Html(gui)
-        save.on_click(lambda event: self._export(keeping.project_file, event.client))
+        save.on_click(lambda event: self._save(event.client))
         bundle.on_click(lambda event: self._export(keeping.bundle_file, event.client))
         for group, exports in ((rollout, ROLLOUT), (pictures, PICTURES)):
             group.on_click(partial(self._export_chosen, exports))
@@ -56,18 +60,27 @@ class KeepPanel:
         loaded.on_upload(lambda event: self._load(event.target.value))
 
     def draw(self, session: Session) -> None:
-        """Say what happened last."""
+        """Say whether anything is unsaved, and what happened last."""
+        modified = session.document.modified
+        self._unsaved.show(UNSAVED if modified else "")
         self._status.show(self._said)
+
+    def _save(self, client: viser.ClientHandle | None) -> None:
+        """Save the scene as it is now; later edits stay unsaved."""
+        document = self._session.document
+        scene = document.scene
+        if self._export(lambda _: keeping.project_file(scene), client):
+            self._session.post(partial(document.mark_saved, scene))
 
     def _export_chosen(self, exports: dict[str, Export], event: viser.GuiEvent) -> None:
         export = exports.get(event.target.value)
         if export is not None:
             self._export(export, event.client)
 
-    def _export(self, export: Export, client: viser.ClientHandle | None) -> None:
+    def _export(self, export: Export, client: viser.ClientHandle | None) -> bool:
         """Make a file on a thread of the viewer's and send it; say why if that fails."""
         if client is None:
-            return
+            return False
         self._said = '<div class="tg tg-dim tg-kept">Making the file…</div>'
         try:
             name, content = export(self._session)
@@ -75,6 +88,8 @@ class KeepPanel:
             self._said = f'<div class="tg tg-kept">✓ {name} ({_size(len(content))})</div>'
         except Exception as error:  # noqa: BLE001 - the page shows it and lives on
             self._fail("Nothing was exported", error)
+            return False
+        return True
 
     def _open(self, file: viser.UploadedFile) -> None:
         try:
@@ -82,7 +97,7 @@ class KeepPanel:
         except Exception as error:  # noqa: BLE001
             self._fail("Not opened", error)
             return
-        self._session.post(partial(self._session.open, scene))
+        self._session.post(partial(self._session.leave, partial(self._session.open, scene)))
         self._said = f'<div class="tg tg-kept">✓ Opened {safe_name(file.name, "project")}</div>'
 
     def _load(self, file: viser.UploadedFile) -> None:
@@ -93,7 +108,11 @@ class KeepPanel:
         except Exception as error:  # noqa: BLE001
             self._fail("Not loaded", error)
             return
-        self._session.post(partial(self._session.load, policy, f"the policy of {shown}"))
+        self._session.post(
+            partial(
+                self._session.leave, partial(self._session.load, policy, f"the policy of {shown}")
+            )
+        )
         self._said = f'<div class="tg tg-kept">✓ Loaded {shown}</div>'
 
     def _fail(self, what: str, error: Exception) -> None:

@@ -52,6 +52,7 @@ class RecoveryPanel:
 
     def _save(self, autosave: Autosave, session: Session) -> None:
         if not session.document.modified:
+            autosave.clear()
             return
         try:
             autosave.save(session.document.scene)

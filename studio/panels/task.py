@@ -7,8 +7,11 @@ import viser
 from envs import ENVS
 from scenes import Scene, demo_names, task_names
 from studio.figures.svg import escape
-from studio.panels.html import Html
+from studio.panels.html import Html, note
 from studio.session import Session
+
+STAY, GO = "Keep training", "End it and go"
+LEAVING = "Another scene would end the training that runs, and what it has learnt is lost."
 
 
 class TaskPanel:
@@ -22,17 +25,28 @@ class TaskPanel:
             names.insert(0, scene.name)
         self._menu = gui.add_dropdown("Task", names, initial_value=scene.name)
         self._about = Html(gui)
+        self._warning = Html(gui)
+        self._answer = gui.add_button_group("", (STAY, GO), visible=False)
+
+        @self._answer.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            session.post(partial(session.confirm, event.target.value == GO))
 
         @self._menu.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
-                session.post(partial(self._choose, session, event.target.value))
+                change = partial(self._choose, session, event.target.value)
+                session.post(partial(session.leave, change))
 
     def draw(self, session: Session) -> None:
         """Show the scene."""
         scene = session.specification.scene
         self._menu.value = scene.name
         self._about.show(_about(scene))
+        waits = session.leaving is not None
+        self._warning.show(note(LEAVING, "warn") if waits else "")
+        if self._answer.visible != waits:
+            self._answer.visible = waits
 
     def _choose(self, session: Session, name: str) -> None:
         if name == self._opened.name:

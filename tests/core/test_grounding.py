@@ -10,7 +10,7 @@ from core.grounding import NEVER, GroundingError, ground
 from core.problem import extended_margins
 from core.stl import parse, robustness
 from core.windows import windows_of
-from tests.core.toy import CENTERS, DiscWorld, disc_margins, toy_task
+from tests.core.toy import CENTERS, DiscWorld, PointRobot, disc_margins, toy_task
 from tests.strategies import formulas
 
 windows_program = jax.jit(windows_of)
@@ -57,7 +57,7 @@ def test_extended_margins_evaluate_state_formulas(state_formula):
     positions = np.random.default_rng(3).uniform(-2, 2, (50, 2)).astype(np.float32)
 
     def value(position):
-        mu, gradient = extended_margins(DiscWorld(), task.problem, position)
+        mu, gradient = extended_margins(PointRobot(), DiscWorld(), task.problem, position)
         index, sign = arrays.predicate[0], arrays.sign[0]
         return sign * mu[index], sign * gradient[index]
 

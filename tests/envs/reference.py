@@ -62,6 +62,12 @@ def panda_tip(angles, tool: float = 0.1034) -> np.ndarray:
     return _turned(angles, np.array([0.088, 0, 1.033 - 0.107 - tool]))
 
 
+def panda_point(angles, point, joints: int) -> np.ndarray:
+    """Where a point [3] of the zero posture goes that the first `joints` joints move, in [m]."""
+    moving = [*angles[:joints], *[0.0] * (7 - joints)]
+    return _turned(moving, np.asarray(point, float))
+
+
 def panda_jacobian(angles) -> np.ndarray:
     """Derivative [3, 7] of the tip by central differences in [m/rad]."""
     steps = 1e-6 * np.eye(7)

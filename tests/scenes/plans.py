@@ -109,13 +109,13 @@ ANT_PLANS = {
         Visit("G", 160, 180, stay=10),
     ],
 }
-ANT_DEMO = [Visit("A1", 0, 160), Visit("A2", 0, 160)]
 
 
 def plan_of(scene: Scene) -> list[Visit]:
     """The plan of a shipped task or demo."""
     if scene.name.endswith(DEMO):
-        return ANT_DEMO if scene.robot == "ant" else [Visit("A1", 0, 80), Visit("A2", 0, 80)]
+        last = 160 if scene.robot == "ant" else 80
+        return [Visit("A1", 0, last), Visit("A2", 0, last)]
     number = int(scene.name.rsplit("-", 1)[1])
     if scene.robot == "ant":
         return ANT_PLANS[number]

@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import envs
+import scenes.scene as scene_module
 from envs import ENVS
 from scenes import (
     WORKSPACE_DIMENSION,
@@ -209,3 +211,20 @@ def test_each_robot_has_its_ten_tasks_and_a_demo():
 
 def test_scenes_and_robots_agree_on_the_dimension():
     assert {robot.name: robot.position_size for robot in ENVS.values()} == WORKSPACE_DIMENSION
+
+
+def test_variants_are_those_of_the_robots():
+    assert {v: robot.name for v, robot in envs.VARIANTS.items()} == {
+        variant: robot for robot, variants in scene_module.VARIANTS.items() for variant in variants
+    }
+
+
+def test_a_variant_is_kept_and_checked():
+    scene = dataclasses.replace(load_task("panda-01"), variant="links")
+    assert parse_scene(format_scene(scene), "here") == scene
+    assert "variant" not in format_scene(load_task("panda-01"))
+    for variant in ("link", 0, ["links"]):
+        with pytest.raises(SceneError, match="variant: unknown .* of 'panda'. Allowed: links"):
+            dataclasses.replace(scene, variant=variant)
+    with pytest.raises(SceneError, match="of 'linear'. Allowed: none"):
+        dataclasses.replace(load_task("linear-01"), variant="links")

@@ -48,7 +48,7 @@ def test_the_demo_satisfies_its_formula(shown):
 
 
 def test_every_export_can_be_read(shown, tmp_path):
-    name, content = keeping.project_file(shown)
+    name, content = keeping.project_file(shown.document.scene)
     assert name == "linear-08.stl.toml"
     assert parse_scene(content.decode(), name) == shown.document.scene
     rows = keeping.csv_file(shown).content.decode().splitlines()

@@ -174,3 +174,31 @@ def test_a_shipped_policy_plays_without_training(session):
 def test_there_is_no_policy_before_training(session):
     with pytest.raises(UserError, match="no policy yet"):
         session.policy()
+
+
+def test_another_task_waits_for_a_word_while_training_runs(session, monkeypatch):
+    going_on = threading.Event()
+
+    def train(task, config, state=None):
+        going_on.wait(30)
+        yield from ()
+
+    monkeypatch.setattr(worker, "train", train)
+    session.post(session.train)
+    assert ticked(session, lambda: session.training.busy)
+
+    def ask():
+        session.post(lambda: session.leave(lambda: session.choose_task("linear-07")))
+        session.tick(0.0)
+
+    ask()
+    assert session.leaving is not None
+    assert (session.document.scene.name, session.training.busy) == ("linear-08", True)
+    session.confirm(False)
+    assert session.leaving is None
+    assert (session.document.scene.name, session.training.busy) == ("linear-08", True)
+    ask()
+    session.confirm(True)
+    going_on.set()
+    assert session.document.scene.name == "linear-07"
+    assert session.leaving is None

@@ -3,6 +3,7 @@
     python -m tests.tools.benchmark train --tasks linear unicycle --seeds 1007 1008 1009
     python -m tests.tools.benchmark compile
     python -m tests.tools.benchmark modes --tasks linear-08 unicycle-08 --seconds 300
+    python -m tests.tools.benchmark layouts --tasks linear-08 quadrotor-08 --epochs 150
 
 Prints Markdown tables. Run it on a machine that does nothing else.
 """
@@ -22,11 +23,15 @@ from pathlib import Path
 
 import jax
 
-from core.algorithm import make_algorithm
+from core.algorithm import make_algorithm, many_layouts
 from core.programs import use_disk_cache
 from core.training import TrainingConfig, final_evaluation, train
 from scenes import load_task, task_names
+from studio.layouts import held_out, randomized
 from studio.tasks import build_task
+
+HELD_OUT = 10
+"""Layouts on which transfer is measured."""
 
 
 def _row(*cells: object) -> None:
@@ -157,10 +162,40 @@ def benchmark_modes(tasks: list[str], seconds: float, seed: int) -> None:
             _row(name, mode, points, last.epoch, f"{last.env_steps:,}")
 
 
+def benchmark_layouts(tasks: list[str], seeds: list[int], epochs: int) -> None:
+    """Zero-shot success on ten layouts never trained on, with and without `--randomize`."""
+    print(f"\nSuccess on the task's own layout and on {HELD_OUT} held-out ones, nothing trained.\n")
+    names = ("epochs", "seconds", "own layout", "held out, mean", "each")
+    _header("task", "seed", "trained on", *names)
+    for name in tasks:
+        scene = load_task(name)
+        plain = make_algorithm("studio", "tgpo-star", scene.robot)
+        one = build_task(scene)
+        tests = list(held_out(scene, one, plain, HELD_OUT))
+        for seed in seeds:
+            for algorithm in (plain, many_layouts(plain)):
+                config = TrainingConfig(algorithm, seed=seed, epochs=epochs)
+                *_, last = train(randomized(scene, one, algorithm, seed), config)
+                own, *rates = (
+                    final_evaluation(task, config, last.state.best).success_rate
+                    for task in (one, *tests)
+                )
+                _row(
+                    name,
+                    seed,
+                    "its own layout" if algorithm is plain else "many layouts",
+                    last.epoch,
+                    f"{last.train_seconds:.0f}",
+                    f"{own:.3f}",
+                    f"{statistics.mean(rates):.3f}",
+                    " ".join(f"{rate:.2f}" for rate in sorted(rates)),
+                )
+
+
 def main() -> None:
     """Parse the command line and run one benchmark."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
-    parser.add_argument("what", choices=("train", "compile", "modes"))
+    parser.add_argument("what", choices=("train", "compile", "modes", "layouts"))
     parser.add_argument("--tasks", nargs="+", default=["linear", "unicycle"])
     parser.add_argument("--seeds", nargs="+", type=int, default=[1007, 1008, 1009])
     parser.add_argument("--epochs", type=int, default=80)
@@ -178,6 +213,8 @@ def main() -> None:
     tasks = _expand(options.tasks)
     if options.what == "train":
         benchmark_training(tasks, options.seeds, options.epochs, options.target)
+    elif options.what == "layouts":
+        benchmark_layouts(tasks, options.seeds, options.epochs)
     else:
         benchmark_modes(tasks, options.seconds, options.seeds[0])
 

@@ -3,15 +3,13 @@
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import viser
 from viser.transforms import SO3
 
-from core.errors import UserError
+from envs.ant.model import ant_model
 from studio.views.bodies.body import PAINT, ROOT, Camera, Color, Pose, Stage
 from studio.views.bodies.pieces import Piece, add_pieces, capsule, hull
 
@@ -50,7 +48,7 @@ class Spider:
         """The torso where the state has it, the legs against it by their joints."""
         row = np.asarray(row, float)
         mujoco: Any = import_module("mujoco")
-        model = _model()
+        model = ant_model()
         data = mujoco.MjData(model)
         data.qpos[:] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, *row[JOINTS]]
         mujoco.mj_kinematics(model, data)
@@ -63,7 +61,7 @@ class Spider:
 @cache
 def _pieces() -> dict[str, tuple[Piece, ...]]:
     """Solids of each body, in its frame."""
-    model = _model()
+    model = ant_model()
     found: dict[str, list[Piece]] = {f"part{body}": [] for body in range(1, model.nbody)}
     for geom in range(model.ngeom):
         body = model.geom_bodyid[geom]
@@ -84,13 +82,3 @@ def _color(model: Any, geom: int) -> Color:
     """Bright torso, sand-coloured legs, dark feet."""
     name = model.geom(geom).name
     return PAINT if name == "torso_geom" else UMBER if "foot" in name else SAND
-
-
-@cache
-def _model() -> Any:
-    """The compiled model of brax's ant."""
-    package = find_spec("brax")
-    if package is None or package.origin is None:
-        raise UserError("The ant needs the package `brax`, which has its model.")
-    file = Path(package.origin).parent / "envs" / "assets" / "ant.xml"
-    return import_module("mujoco").MjModel.from_xml_path(str(file))

@@ -234,6 +234,16 @@ def test_modified_compares_with_what_was_saved(document):
     assert document.modified
 
 
+def test_edits_after_the_saved_scene_stay_unsaved(document):
+    document.set_seed(5)
+    written = document.scene
+    document.set_seed(6)
+    document.mark_saved(written)
+    assert document.modified
+    document.undo()
+    assert not document.modified
+
+
 def test_the_oldest_steps_are_forgotten():
     history = History(0)
     for number in range(1, CAPACITY + 11):

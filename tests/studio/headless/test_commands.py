@@ -77,6 +77,27 @@ def test_train_resume_evaluate(here, capsys):
     assert status == 2 and "policy for the robot 'linear' cannot carry out unicycle-03" in errors
 
 
+def test_many_layouts_train_resume_evaluate(here, capsys):
+    train_it = ("--train-only", "--task", "linear-07", "--randomize", "--target", "2")
+    status, lines, _ = run(capsys, *train_it, "--epochs", "2", "--out", "runs/whole")
+    assert status == 0 and lines[-1]["epochs"] == 2
+    kept = json.loads((here / "runs/whole/config.json").read_text())
+    assert kept["algorithm"]["layouts"] == 16 and kept["algorithm"]["fresh_layouts"] == 1
+
+    run(capsys, *train_it, "--epochs", "1", "--out", "runs/part")
+    status, resumed, _ = run(capsys, "--resume", "runs/part", "--epochs", "2")
+    assert status == 0 and resumed[0]["batch_return"] == lines[1]["batch_return"]
+
+    status, (result,), _ = run(capsys, "--evaluate", "runs/whole", "--layouts", "2")
+    assert status == 0 and len(result["layouts"]) == 2
+    assert result["layouts_mean"] == pytest.approx(sum(result["layouts"]) / 2)
+
+    status, _, errors = run(capsys, *train_it, "--mode", "paper")
+    assert status == 2 and "the paper's mode learns one layout alone" in errors
+    status, _, errors = run(capsys, "--evaluate", "runs/whole", "--layouts", "0")
+    assert status == 2 and "--layouts: 0 must be from 1 to 1000" in errors
+
+
 def test_a_scene_file_with_another_formula(here, capsys):
     scene = (ROOT / "scenes/linear/07.toml").read_text(encoding="utf-8")
     (here / "mine.stl.toml").write_text(scene.replace("linear-07", "my plan"), encoding="utf-8")
