@@ -8,8 +8,8 @@ action is a waypoint relative to the torso, c = reach * u, held for a step of 0.
     w = top_speed * clip((|c| - dead) / (near - dead), 0, 1) * c / |c|    the velocity asked for
     v' = v + response * (w - v),    p' = p + v' dt    (everything else stays as it is)
 
-Fitted by `tests.tools.gait.fit` (254 ants, seed 1). On other ants (seed 2) under waypoints that
-change every 0.2 to 2 s, its prediction 1 s ahead is off by 0.17 m rms an axis, of 0.61 m
+Fitted by `tests.tools.gait.fit` (seed 1). On other ants (seeds 2 to 4) under waypoints that
+change every 0.2 to 2 s, its prediction 1 s ahead is off by 0.16-0.17 m rms an axis, of 0.6 m
 travelled. It leaves out the torso's sway (0.23 m/s rms) and where a gait lets an ant drift: in
 steady walks the speed differs by +-0.1 m/s between ants, sideways drift is 0.1 m/s rms, and the
 truth hardly moves towards waypoints nearer than 0.15 m.

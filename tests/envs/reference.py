@@ -140,11 +140,22 @@ def quadrotor_step(state, action) -> np.ndarray:
     return quadrotor_fly(state, np.clip(forces, 0, 1))
 
 
+def ant_step(state, action):
+    """The fast model of `envs/ant/robot.py` for the velocity; the posture stays."""
+    state, waypoint = np.array(state, float), 0.7 * np.clip(np.asarray(action, float), -1, 1)
+    distance = np.hypot(*waypoint)
+    wanted = 1.47 * np.clip((distance - 0.08) / (0.49 - 0.08), 0, 1) * waypoint / distance
+    state[15:17] += 0.18 * (wanted - state[15:17])
+    state[:2] += 0.05 * state[15:17]
+    return state
+
+
 STEPS = {
     "linear": linear_step,
     "unicycle": unicycle_step,
     "panda": panda_step,
     "quadrotor": quadrotor_step,
+    "ant": ant_step,
 }
 
 
