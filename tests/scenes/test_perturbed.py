@@ -5,13 +5,13 @@ import itertools
 import numpy as np
 import pytest
 
-from scenes import AIRSPACE, PLANAR, TABLETOP, load_task, task_names
+from scenes import load_task, task_names
 from scenes.layouts import Perturbation, perturbed
+from studio.tasks import WORLDS
 from tests.scenes import geometry
 from tests.scenes.plans import WALLS, plan_of
 
 TASKS = pytest.mark.parametrize("task", task_names())
-WORLDS = {"linear": PLANAR, "unicycle": PLANAR, "panda": TABLETOP, "quadrotor": AIRSPACE}
 
 
 def _goals(scene) -> set[str]:
@@ -105,7 +105,7 @@ def test_where_nothing_fits_the_scene_stays():
     ]
     scene = type(scene)(**{**vars(scene), "regions": (*walls, *goals)})
     layout = perturbed(
-        scene, {"A1", "A2"}, PLANAR, np.random.default_rng(0), Perturbation(mirror=False)
+        scene, {"A1", "A2"}, WORLDS["linear"], np.random.default_rng(0), Perturbation(mirror=False)
     )
     assert [r.center for r in layout.regions[:4]] == [r.center for r in walls]
     for before, after in zip(goals, layout.regions[4:], strict=True):

@@ -255,7 +255,8 @@ def test_the_bar_shows_epoch_success_and_time_left():
     bar.begin(TrainingConfig(epochs=10), 0)
     assert "compiling" in _drawn(bar, console)
     for epoch, success in ((1, None), (2, 0.5), (3, None)):
-        bar.report({"epoch": epoch, "train_seconds": 10.0 * epoch, "success_rate": success})
+        line = {"epoch": epoch, "train_seconds": 10.0 * epoch, "success_rate": success}
+        bar.report(line | {"diverged": 0})
     text = _drawn(bar, console)
     assert "epoch 3/10" in text and "success 50.0 %" in text and "at most 1:10 left" in text
     bar.restore()
