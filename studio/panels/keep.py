@@ -53,7 +53,7 @@ class KeepPanel:
             pictures = gui.add_button_group("Pictures", list(PICTURES))
         self._status = Html(gui)
         save.on_click(lambda event: self._save(event.client))
-        bundle.on_click(lambda event: self._export(keeping.bundle_file, event.client))
+        bundle.on_click(self._export_bundle)
         for group, exports in ((rollout, ROLLOUT), (pictures, PICTURES)):
             group.on_click(partial(self._export_chosen, exports))
         opened.on_upload(lambda event: self._open(event.target.value))
@@ -71,6 +71,9 @@ class KeepPanel:
         scene = document.scene
         if self._export(lambda _: keeping.project_file(scene), client):
             self._session.post(partial(document.mark_saved, scene))
+
+    def _export_bundle(self, event: viser.GuiEvent) -> None:
+        self._export(keeping.bundle_file, event.client)
 
     def _export_chosen(self, exports: dict[str, Export], event: viser.GuiEvent) -> None:
         export = exports.get(event.target.value)
