@@ -80,6 +80,8 @@ class Analyst:
         self.error = ""
         self.stale = ""
         """Why the weights do not answer for the scene shown, empty if they do."""
+        self.watched = True
+        """Whether anybody sees the heatmap; nobody's is not drawn."""
         self.view = MapView()
         self.sample: tuple[Recording, ...] = ()
         """Rollouts from random starts; whoever takes them puts an empty tuple in their place."""
@@ -168,7 +170,7 @@ class Analyst:
             try:
                 if subject is not None and request is not None:
                     self._answer(subject, request)
-                elif subject is not None and time.monotonic() >= due:
+                elif subject is not None and self.watched and time.monotonic() >= due:
                     if subject is not drawn[0] or wanted[1:] != drawn[1:]:
                         drawn, due = wanted, time.monotonic() + PERIOD
                         self.picture = _draw(subject, *wanted[1:])

@@ -51,6 +51,8 @@ from studio.views.start import StartView
 FIRST_TASK = "panda-demo"
 FRAME = 1 / 25
 """Least time between two drawings [s]."""
+IDLE = 1 / 5
+"""The same while no client is connected: the processor is the training's [s]."""
 
 
 class Drawable(Protocol):
@@ -105,10 +107,12 @@ class Studio:
         """Draw frames until closed."""
         while not self._closed.is_set():
             began = time.monotonic()
+            watched = bool(self._server.get_clients())
+            self.session.analyst.watched = watched
             self.session.tick(began)
             for drawable in self._drawables:
                 self._draw(drawable)
-            self._closed.wait(max(0.0, began + FRAME - time.monotonic()))
+            self._closed.wait(max(0.0, began + (FRAME if watched else IDLE) - time.monotonic()))
 
     def _draw(self, drawable: Drawable) -> None:
         """Draw; a defect of one panel is shown and must not take the others with it."""

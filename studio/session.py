@@ -7,7 +7,6 @@ changes in `tick` and is the only one that alters this state.
 import time
 import traceback
 from collections.abc import Callable
-from dataclasses import replace
 from functools import partial
 from queue import Empty, SimpleQueue
 
@@ -17,8 +16,9 @@ from scenes import Scene, load_task
 from studio.analyst import Analyst
 from studio.editing.document import Document
 from studio.editing.editor import Editor
+from studio.editing.judge import Judge
 from studio.editing.meaning import differences, stale_text
-from studio.editing.specification import Specification, edited, specify
+from studio.editing.specification import Specification, specify
 from studio.files.bundle import Policy
 from studio.files.shipped import shipped_policy
 from studio.playing.gallery import Gallery
@@ -38,7 +38,7 @@ class Session:
     """One for all clients of a server."""
 
     def __init__(self, scene: Scene, formula: str | None, make_config: MakeConfig) -> None:
-        self.specification: Specification = specify(scene, formula)
+        self.judge = Judge(specify(scene, formula))
         self.document = Document(self.specification.scene)
         self.editor = Editor(self.document)
         self.trainer, self.analyst, self.player = Trainer(), Analyst(), Player()
@@ -61,6 +61,11 @@ class Session:
         self._trained: Scene | None = None
         self._shown: Training | None = None
         self._received: Recording | None = None
+
+    @property
+    def specification(self) -> Specification:
+        """The scene as judged last."""
+        return self.judge.specification
 
     @property
     def training(self) -> Training:
@@ -111,6 +116,7 @@ class Session:
             self._apply(self._take_draft)
         if not self.editor.dragging and self.document.revision != self._judged:
             self._apply(self._judge, keep_error=True)
+        self.judge.collect()
         waiting = self.queued
         if waiting is not None and not self.training.busy:
             self._apply(partial(self._start, waiting), keep_error=True)
@@ -159,7 +165,7 @@ class Session:
         self.document = Document(scene)
         self.editor = Editor(self.document)
         self._judged = self.document.revision
-        self.specification = specification
+        self.judge.put(specification)
 
     def edit(self, text: str) -> None:
         """Take a formula as typed; it is judged when the typing pauses."""
@@ -184,6 +190,7 @@ class Session:
         """Train on the formula in the editor, if it is right: now, or after what runs."""
         self._take_draft()
         self._judge()
+        self.judge.finish()
         specification = self.specification
         if specification.error or specification.task is None:
             raise UserError("Training needs a formula without errors.")
@@ -224,7 +231,7 @@ class Session:
 
     def close(self) -> bool:
         """End the threads; whether all have ended."""
-        return all([self.trainer.close(), self.analyst.close()])
+        return all([self.trainer.close(), self.analyst.close(), self.judge.close()])
 
     def _start(self, specification: Specification) -> None:
         assert specification.task is not None
@@ -262,13 +269,13 @@ class Session:
             self._judge()
         except UserError as error:
             self._refused = text
-            self.specification = replace(self.specification, error=str(error))
+            self.judge.refuse(str(error))
 
     def _judge(self) -> None:
-        """Bring the task up to date with the document."""
+        """Have the document's scene judged if it has changed."""
         if self.document.revision != self._judged:
             self._judged, self._refused = self.document.revision, None
-            self.specification = edited(self.specification, self.document.scene)
+            self.judge.take(self.document.scene)
 
     def _apply(self, change: Callable[[], None], *, keep_error: bool = False) -> None:
         try:

@@ -50,6 +50,15 @@ def decompose_scene(scene: Scene) -> Decomposition:
     return decompose(parse(scene.formula, dt=robot.dt, names=scene.region_names))
 
 
+def ground_scene(scene: Scene) -> Grounding:
+    """What a scene's formula asks for, before any field is built.
+
+    Raises:
+        UserError: a formula that is malformed, cannot be grounded or is too large.
+    """
+    return ground(decompose_scene(scene), scene.region_names, scene.horizon)
+
+
 def build_task(scene: Scene, formula: str | None = None) -> Task:
     """Ground a scene, with another formula than its own if one is given.
 
@@ -61,7 +70,7 @@ def build_task(scene: Scene, formula: str | None = None) -> Task:
         scene = replace(scene, formula=formula)
     robot = robot_of(scene)
     world = WORLDS[robot.name]
-    grounding = ground(decompose_scene(scene), scene.region_names, scene.horizon)
+    grounding = ground_scene(scene)
     goals = [task.predicate for task in grounding.subgoals]
     constraints = [task.predicate for task in grounding.constraints]
     obstacles = [[constraints[i] for i in group] for group in grounding.closed_sets()]

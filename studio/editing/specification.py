@@ -41,7 +41,7 @@ def specify(scene: Scene, text: str | None = None) -> Specification:
 
 def edited(specification: Specification, scene: Scene) -> Specification:
     """Judge an edited scene; where its formula is wrong, the last right task stays."""
-    if specification.task is not None and _same_task(specification, scene):
+    if specification.task is not None and same_task(specification, scene):
         return replace(specification, scene=scene)
     try:
         task = build_task(scene)
@@ -55,7 +55,7 @@ def with_text(scene: Scene, text: str) -> Scene:
     return replace(scene, formula=text)
 
 
-def _same_task(specification: Specification, scene: Scene) -> bool:
+def same_task(specification: Specification, scene: Scene) -> bool:
     """Whether nothing changed but how the scene looks."""
     return not specification.error and _plain(specification.scene) == _plain(scene)
 

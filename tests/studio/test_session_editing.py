@@ -9,6 +9,7 @@ from core.training import TrainingConfig
 from scenes import load_task
 from studio.editing.meaning import stale_text
 from studio.session import DEBOUNCE, Session
+from tests.studio.waiting import wait_for
 
 
 @pytest.fixture
@@ -20,6 +21,11 @@ def session():
 
 def later():
     return time.monotonic() + DEBOUNCE + 0.01
+
+
+def ticked(session):
+    session.tick(later())
+    return session.specification
 
 
 def test_typing_is_a_step_of_the_history(session):
@@ -53,8 +59,9 @@ def test_a_formula_that_no_scene_can_have_stays_in_the_editor(session):
 
 
 def test_a_rename_brings_a_task_with_the_new_name(session):
+    before = session.specification.task
     session.document.rename("A2", "Home")
-    session.tick(later())
+    assert wait_for(lambda: ticked(session).task is not before)
     names = session.specification.task.grounding.decomposition.formula
     assert "Home" in str(names)
     assert "Home" in session.text
@@ -67,8 +74,7 @@ def test_while_a_region_is_dragged_nothing_is_judged(session):
     session.tick(later())
     assert session.specification.task is task
     session.editor.move("A1", "end", (0.0, 0.0), (1.0, 0.0))
-    session.tick(later())
-    assert session.specification.task is not task
+    assert wait_for(lambda: ticked(session).task is not task)
 
 
 def test_undo_during_a_drag_takes_only_the_drag_back(session):

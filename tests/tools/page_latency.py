@@ -1,72 +1,132 @@
 """How quick the page is while training runs, and what the page costs the training.
 
-    python -m tests.tools.page_latency [SECONDS]
+    python -m tests.tools.page_latency [ROUNDS]
 
-Measures for SECONDS (30) each: the training without a page, with a page that nobody looks at,
-with a browser on it; and in the browser, from an event until its effect is in the page,
-the answer to a click on a button and the rollout of a clicked cell.
+Start: from the start of the process until the server answers, the page is painted and the demo
+rollout plays. Speed: ROUNDS (3) windows each of training without a page, with a page that nobody
+looks at, and with a browser on it, in turns, so that drift of the machine cancels. Answers: from
+an action until its effect is in the browser's document and, apart, until the next frame (which a
+browser without a graphics card paints late); and the share of the server alone.
 """
 
+import os
+import signal
+import subprocess
 import sys
+import tempfile
 import threading
 import time
-from collections.abc import Callable
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from core.algorithm import make_algorithm
 from core.programs import use_disk_cache
 from core.training import TrainingConfig, train
 from scenes import Scene, load_task
 from studio.app import Studio
+from studio.session import DEBOUNCE, Session
 from studio.tasks import build_task
 from studio.worker import Stage
 from tests.studio.conftest import BROWSER_FLAGS, free_port
 from tests.tools.browser import find_browser
 
 TASK = "linear-08"
-CALLBACKS, CLICKS = 100, 20
-WATCH = """([selector, x, y]) => new Promise((resolve, reject) => {
-    const target = document.elementFromPoint(x, y), began = performance.now();
-    const before = document.querySelector(selector)?.textContent;
-    const observer = new MutationObserver(() => {
-        if (document.querySelector(selector)?.textContent === before) return;
-        observer.disconnect();
-        requestAnimationFrame(() => resolve(performance.now() - began));
-    });
-    observer.observe(document.body, {subtree: true, childList: true, characterData: true});
-    const at = {clientX: x, clientY: y, bubbles: true};
-    for (const kind of ["pointerdown", "mousedown", "pointerup", "mouseup", "click"])
-        target.dispatchEvent(new MouseEvent(kind, at));
-    setTimeout(() => { observer.disconnect(); reject(new Error("no answer in 10 s")); }, 10000);
+WINDOW = 6.0
+"""Length of one window of training [s]."""
+ACTIONS, CLICKS = 20, 12
+PATIENCE = 60.0
+"""Longest wait for anything [s]."""
+WATCH = """([act, argument, selector]) => new Promise((resolve, reject) => {
+    const read = () => [...document.querySelectorAll(selector)]
+        .map((element) => element.textContent + (element.value ?? "") +
+            (element.getAttribute("aria-valuenow") ?? "")).join("|");
+    const before = read(), began = performance.now();
+    const timer = setInterval(() => {
+        if (performance.now() - began > 10000) { clearInterval(timer); resolve(null); }
+        if (read() === before) return;
+        clearInterval(timer);
+        const seen = performance.now() - began;
+        requestAnimationFrame(() => resolve([seen, performance.now() - began]));
+    }, 2);
+    const element = document.querySelectorAll(argument.on)[argument.index ?? 0];
+    if (!element) { clearInterval(timer); reject(new Error("nothing is " + argument.on)); return; }
+    if (act === "press") element.click();
+    if (act === "type") {
+        const proto = Object.getPrototypeOf(element);
+        Object.getOwnPropertyDescriptor(proto, "value").set.call(element, argument.text);
+        element.dispatchEvent(new Event("input", {bubbles: true}));
+    }
+    if (act === "cell") {
+        const box = element.getBoundingClientRect();
+        element.dispatchEvent(new MouseEvent("click", {bubbles: true,
+            clientX: box.x + argument.x * box.width, clientY: box.y + argument.y * box.height}));
+    }
 })"""
-"""Milliseconds from a click at (x, y) until the text of a selector is another one and painted."""
+"""Milliseconds from an act until the texts of a selector change, and to the next frame; or null."""
+
+Answers = list[list[float] | None]
 
 
-def main(seconds: float) -> None:
+def main(rounds: int) -> None:
     """Measure and print."""
-    use_disk_cache()
-    alone = _headless(seconds)
-    print(f"headless                      {alone:10,.0f} steps/s", flush=True)
-    began = time.monotonic()
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=find_browser(), args=BROWSER_FLAGS)
+        _start(browser)
+        use_disk_cache()
+        with _served() as studio:
+            session = studio.session
+            session.post(session.train)
+            _wait(lambda: session.training.epoch >= 2)
+            _speeds(studio, browser, rounds)
+            _answers(studio, _opened(browser, studio.url))
+        browser.close()
+
+
+def _start(browser: Browser) -> None:
+    """The program in a process of its own, with an empty state folder."""
+    port = free_port()
+    command = [sys.executable, "-m", "studio", "--task", TASK, "--port", str(port), "--no-browser"]
+    with tempfile.TemporaryDirectory() as state:
+        began = time.monotonic()
+        environment = {**os.environ, "XDG_STATE_HOME": state}
+        process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
+        try:
+            url = f"http://127.0.0.1:{port}"
+            _wait(lambda: _answers_http(url))
+            _print_start("server answers", began)
+            page = _opened(browser, url)
+            _print_start("page painted", began)
+            page.wait_for_selector(".tg-verdict")
+            page.wait_for_function(
+                "document.querySelector('.tg-transport')?.textContent.includes('Pause')"
+            )
+            _print_start("demo rollout plays (wish: <= 5 s)", began)
+            page.close()
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait(30)
+
+
+def _answers_http(url: str) -> bool:
+    try:
+        with urllib.request.urlopen(url, timeout=1):
+            return True
+    except OSError:
+        return False
+
+
+@contextmanager
+def _served() -> Iterator[Studio]:
     studio = Studio(load_task(TASK), None, "127.0.0.1", free_port(), _endless)
     loop = threading.Thread(target=studio.run)
     loop.start()
     try:
-        print(f"server up after               {time.monotonic() - began:10.2f} s", flush=True)
-        session = studio.session
-        session.post(session.train)
-        _wait(lambda: session.training.epoch >= 2)
-        _print_speed("page, no client", _speed(studio, seconds), alone)
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=find_browser(), args=BROWSER_FLAGS)
-            page = browser.new_page(viewport={"width": 1440, "height": 900})
-            _start(page, studio)
-            _print_speed("page, one client", _speed(studio, seconds), alone)
-            _print_times("callback", _callbacks(page), "p95 <= 100")
-            _print_times("click to rollout", _clicks(page), "<= 300")
-            browser.close()
+        yield studio
     finally:
         studio.close()
         loop.join(10)
@@ -77,89 +137,154 @@ def _endless(scene: Scene, _: float = 0.0) -> TrainingConfig:
     return TrainingConfig(algorithm, seed=scene.seed, epochs=100_000, target=2.0)
 
 
-def _headless(seconds: float) -> float:
-    """Environment steps a second, evaluations included, from the second epoch on."""
-    scene = load_task(TASK)
-    first = None
-    for epoch in train(build_task(scene), _endless(scene)):
-        now = time.monotonic()
-        if first is None:
-            first = now, epoch.env_steps
-        elif now - first[0] >= seconds:
-            return (epoch.env_steps - first[1]) / (now - first[0])
-    raise AssertionError("the training has no end of its own")
+def _opened(browser: Browser, url: str) -> Page:
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page.set_default_timeout(1000 * PATIENCE)
+    page.goto(url)
+    page.wait_for_selector(".tg-tree")
+    return page
 
 
-def _speed(studio: Studio, seconds: float) -> float:
-    """Environment steps a second between two epochs of the page's training."""
-    began, steps = _next_epoch(studio)
+def _speeds(studio: Studio, browser: Browser, rounds: int) -> None:
+    """Windows in turns; while the training without a page runs, the page's loop stands still."""
+    session = studio.session
+    alone = train(build_task(load_task(TASK)), _endless(load_task(TASK)))
+    next(alone)
+    next(alone)
+    speeds = np.zeros((rounds, 3))
+    for window in speeds:
+        _hold(session)
+        go = threading.Event()
+        session.post(partial(_stand_still, go))
+        window[0] = _speed(lambda: next(alone).env_steps)
+        go.set()
+        session.post(session.trainer.proceed)
+        window[1] = _speed(lambda: _next_epoch(session))
+        page = _opened(browser, studio.url)
+        window[2] = _speed(lambda: _next_epoch(session))
+        page.close()
+    names = ("headless", "page, no client (wish: >= -10 %)", "page, one client")
+    for name, speed, per_round in zip(names, speeds.mean(0), speeds.T, strict=True):
+        change = 100 * (speed / speeds[:, 0].mean() - 1)
+        each = " ".join(f"{value:,.0f}" for value in per_round)
+        _print(name, f"{speed:8,.0f} steps/s {change:+6.1f} %  (windows: {each})")
+
+
+def _hold(session: Session) -> None:
+    session.trainer.pause()
+    _wait(lambda: session.training.stage is Stage.PAUSED)
+
+
+def _stand_still(go: threading.Event) -> None:
+    go.wait(PATIENCE)
+
+
+def _speed(steps_at_next_epoch: Callable[[], int]) -> float:
+    """Environment steps a second between two epochs, evaluations included."""
+    steps, began = steps_at_next_epoch(), time.monotonic()
     while True:
-        now, more = _next_epoch(studio)
-        if now - began >= seconds:
+        more, now = steps_at_next_epoch(), time.monotonic()
+        if now - began >= WINDOW:
             return (more - steps) / (now - began)
 
 
-def _next_epoch(studio: Studio) -> tuple[float, int]:
-    """When the next epoch ends, and the steps until then."""
-    session = studio.session
+def _next_epoch(session: Session) -> int:
     epoch = session.training.epoch
-    _wait(lambda: session.training.epoch > epoch or session.training.stage is Stage.FAILED)
-    if session.training.stage is Stage.FAILED:
+    failed = Stage.FAILED
+    _wait(lambda: session.training.epoch > epoch or session.training.stage is failed)
+    if session.training.stage is failed:
         raise RuntimeError(session.training.error)
-    return time.monotonic(), session.training.env_steps
+    return session.training.env_steps
 
 
-def _start(page: Page, studio: Studio) -> None:
-    """Open the page; print when it is painted and when the map is there."""
-    page.set_default_timeout(120_000)
-    began = time.monotonic()
-    page.goto(studio.url)
-    for what, selector in (("tree", ".tg-tree"), ("map", "image.tg-cells")):
-        page.wait_for_selector(selector)
-        print(f"{what:5} painted while training  {time.monotonic() - began:10.2f} s", flush=True)
-    for notice in page.locator(".mantine-Notification-closeButton").all():
-        notice.click()
+def _answers(studio: Studio, page: Page) -> None:
+    """Times of actions while the training runs."""
+    _print_times("server's share: tick and draw", _ticks(studio))
+    page.wait_for_selector("image.tg-cells", state="attached")
 
+    def act(kind: str, argument: dict, selector: str) -> list[float] | None:
+        return page.evaluate(WATCH, [kind, argument, selector])
 
-def _callbacks(page: Page) -> np.ndarray:
-    """Times of presses of the tools for drawing [ms]."""
-    times = []
-    for count in range(CALLBACKS):
-        name = ("rectangle", "select")[count % 2]
-        box = page.locator(".tg-regions button", has_text=name).first.bounding_box()
-        assert box is not None
-        at = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-        times.append(page.evaluate(WATCH, [".tg-regions .tg-dim", *at]))
-    return np.array(times)
-
-
-def _clicks(page: Page) -> np.ndarray:
-    """Times from a press on the map until its rollout's verdict is on screen [ms]."""
-    times = []
-    for count in range(CLICKS):
-        box = page.locator("image.tg-cells").bounding_box()
-        assert box is not None
-        at = (
-            box["x"] + (count + 0.5) / CLICKS * box["width"],
-            box["y"] + (0.3, 0.7)[count % 2] * box["height"],
+    _print_times(
+        "button: a tool for drawing",
+        [
+            act("press", {"on": ".tg-regions button", "index": 1 - i % 2}, ".tg-regions .tg-dim")
+            for i in range(ACTIONS)
+        ],
+    )
+    formula = load_task(TASK).formula
+    typed = [
+        act(
+            "type",
+            {"on": "textarea", "text": formula + " &" * (1 - i % 2)},
+            ".tg-mono[style*='12px']",
         )
-        times.append(page.evaluate(WATCH, [".tg-verdict", *at]))
-    return np.array(times)
+        for i in range(ACTIONS)
+    ]
+    debounce = 1000 * DEBOUNCE
+    without = [time and [part - debounce for part in time] for time in typed]
+    _print_times("typing to verdict, less the pause", without)
+    cells = [
+        act(
+            "cell",
+            {"on": "image.tg-cells", "x": (i + 0.5) / CLICKS, "y": (0.3, 0.7)[i % 2]},
+            ".tg-verdict",
+        )
+        for i in range(CLICKS)
+    ]
+    _print_times("cell to its rollout (wish: <= 300)", cells)
+    session = studio.session
+    session.post(lambda: session.player.toggle() if session.player.playing else None)
+    page.wait_for_function("document.querySelector('.tg-transport')?.textContent.includes('Play')")
+    steps = [
+        act("press", {"on": ".tg-transport button", "index": (1, 3)[i % 2]}, "[role=slider]")
+        for i in range(ACTIONS)
+    ]
+    _print_times("step of the rollout to the slider", steps)
+
+
+def _ticks(studio: Studio) -> Answers:
+    """From a posted change until the loop has applied and drawn it."""
+    times: Answers = []
+    for _ in range(ACTIONS):
+        applied, drawn, began = threading.Event(), threading.Event(), time.monotonic()
+        # The first change of the tick after the one that applied ours comes after its drawing.
+        studio.session.post(applied.set)
+        applied.wait(PATIENCE)
+        studio.session.post(drawn.set)
+        drawn.wait(PATIENCE)
+        times.append([1000 * (time.monotonic() - began)] * 2)
+    return times
 
 
 def _wait(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE
     while not condition():
-        time.sleep(0.002)
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"nothing within {PATIENCE:g} s")
+        time.sleep(0.005)
 
 
-def _print_speed(what: str, speed: float, alone: float) -> None:
-    print(f"{what:29} {speed:10,.0f} steps/s  {100 * (speed / alone - 1):+.1f} %", flush=True)
+def _print(what: str, text: str) -> None:
+    print(f"{what:36} {text}   [load {os.getloadavg()[0]:.1f}]", flush=True)
 
 
-def _print_times(what: str, times: np.ndarray, wish: str) -> None:
-    p50, p95 = np.percentile(times, [50, 95])
-    print(f"{what:29} p50 {p50:6.0f} ms  p95 {p95:6.0f} ms  (wish: {wish} ms)", flush=True)
+def _print_start(what: str, began: float) -> None:
+    _print(what, f"{time.monotonic() - began:6.2f} s")
+
+
+def _print_times(what: str, answers: Answers) -> None:
+    times = np.array([answer for answer in answers if answer is not None]).reshape(-1, 2)
+    if times.size == 0:
+        _print(what, f"no answer to any of {len(answers)}")
+        return
+    (seen, painted), (late, late_painted) = np.percentile(times, [50, 95], axis=0)
+    _print(
+        what,
+        f"p50 {seen:5.0f}  p95 {late:5.0f} ms; painted p50 {painted:5.0f}  "
+        f"p95 {late_painted:5.0f} ms  ({len(times)} of {len(answers)} answered)",
+    )
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]) if len(sys.argv) > 1 else 30.0)
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 3)
