@@ -53,7 +53,11 @@ class KeepPanel:
             pictures = gui.add_button_group("Pictures", list(PICTURES))
         self._status = Html(gui)
         save.on_click(lambda event: self._save(event.client))
-        bundle.on_click(lambda event: self._export(keeping.bundle_file, event.client))
+
+        @bundle.on_click
+        def _(event: viser.GuiEvent) -> None:
+            self._export(keeping.bundle_file, event.client)
+
         for group, exports in ((rollout, ROLLOUT), (pictures, PICTURES)):
             group.on_click(partial(self._export_chosen, exports))
         opened.on_upload(lambda event: self._open(event.target.value))
