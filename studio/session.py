@@ -46,7 +46,7 @@ class Session:
         self.queued: Specification | None = None
         """What is trained on when the present training has ended."""
         self.leaving: Callable[[], None] | None = None
-        """A change of scene that waits for a word on the training that it would end."""
+        """A change of scene that waits for a word on what would be lost."""
         self.error = ""
         self.gallery = Gallery()
         self.highlighted: tuple[str, ...] = ()
@@ -96,6 +96,11 @@ class Session:
         """Whether what was learnt belongs to another scene than the one shown."""
         return bool(self.stale_reasons)
 
+    @property
+    def unsaved(self) -> bool:
+        """Whether going to another scene would lose edits, a text being typed included."""
+        return self.document.modified or self._draft is not None or self._refused is not None
+
     def post(self, change: Callable[[], None]) -> None:
         """Have a change made by the next tick; from any thread."""
         self._changes.put(change)
@@ -124,8 +129,8 @@ class Session:
         self.player.tick(now)
 
     def leave(self, change: Callable[[], None]) -> None:
-        """Go to another scene: now, or after `confirm` where a training would be lost."""
-        if self.training.busy:
+        """Go to another scene: now, or after `confirm` where a training or edits would be lost."""
+        if self.training.busy or self.unsaved:
             self.leaving = change
         else:
             change()
@@ -153,8 +158,8 @@ class Session:
         self.open(policy.scene)
         self._adopt(policy, origin)
 
-    def open(self, scene: Scene) -> None:
-        """Go to another scene."""
+    def open(self, scene: Scene, *, saved: bool = True) -> None:
+        """Go to another scene; one that is in no file of the user's counts as unsaved."""
         specification = specify(scene)
         self.trainer.forget()
         self.analyst.forget()
@@ -162,7 +167,7 @@ class Session:
         self.player.load(None)
         self.queued = self.leaving = None
         self._draft = self._refused = self._shown = self._trained = None
-        self.document = Document(scene)
+        self.document = Document(scene, saved=saved)
         self.editor = Editor(self.document)
         self._judged = self.document.revision
         self.judge.put(specification)

@@ -31,9 +31,9 @@ class Document:
     Edits take an optional `gesture`: consecutive edits with the same one are one step of undo.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, *, saved: bool = True) -> None:
         self._history = History(scene)
-        self._saved = scene
+        self._saved = scene if saved else None
 
     @property
     def scene(self) -> Scene:

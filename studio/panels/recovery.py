@@ -61,12 +61,27 @@ class RecoveryPanel:
             self._problem = f"Autosave failed. {error}"
 
     def _choose(self, choice: str) -> None:
-        """Take what was left, or drop it; either way it is not offered again."""
-        left, self._left = self._left, None
+        """Take what was left, or drop it."""
+        left = self._left
         if left is None:
             return
         if choice == "Recover":
-            self._session.open(left.scene)
+            self._session.leave(partial(self._recover, left))
+        else:
+            self._drop(left)
+
+    def _recover(self, left: Recoverable) -> None:
+        """Open what was left, still unsaved; the old autosave goes once the new one holds it."""
+        self._session.open(left.scene, saved=False)
+        self._left = None
+        if self._autosave is not None:
+            self._save(self._autosave, self._session)
+            if not self._problem:
+                self._drop(left)
+
+    def _drop(self, left: Recoverable) -> None:
+        """Delete what was left; it is not offered again."""
+        self._left = None
         try:
             discard(left.session, self._folder)
         except ProjectError as error:

@@ -10,8 +10,9 @@ from studio.figures.svg import escape
 from studio.panels.html import Html, note
 from studio.session import Session
 
-STAY, GO = "Keep training", "End it and go"
-LEAVING = "Another scene would end the training that runs, and what it has learnt is lost."
+STAY, GO = "Stay here", "Go anyway"
+ENDS_TRAINING = "Another scene ends the training that runs; what it has learnt is lost."
+DROPS_EDITS = "Another scene takes the place of this one; its unsaved changes are lost."
 
 
 class TaskPanel:
@@ -44,7 +45,7 @@ class TaskPanel:
         self._menu.value = scene.name
         self._about.show(_about(scene))
         waits = session.leaving is not None
-        self._warning.show(note(LEAVING, "warn") if waits else "")
+        self._warning.show(_losses(session) if waits else "")
         if self._answer.visible != waits:
             self._answer.visible = waits
 
@@ -53,6 +54,12 @@ class TaskPanel:
             session.open(self._opened)
         else:
             session.choose_task(name)
+
+
+def _losses(session: Session) -> str:
+    """What a change of scene would cost now."""
+    training = note(ENDS_TRAINING, "warn") if session.training.busy else ""
+    return training + (note(DROPS_EDITS, "warn") if session.unsaved else "")
 
 
 def _about(scene: Scene) -> str:

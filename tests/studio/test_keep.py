@@ -97,7 +97,29 @@ def test_unsaved_work_of_a_crash_is_offered_and_recovered(tmp_path):
     assert studio.session.document.scene == load_task("linear-03")
     panel.draw(studio.session)
     assert not panel._choice.visible
-    assert recoverable(tmp_path) == ()
+    assert studio.session.document.modified
+    assert recoverable(tmp_path) == ()  # this process holds it now
+    panel.close()
+    studio.close()
+    (left,) = recoverable(tmp_path)
+    assert left.scene == load_task("linear-03")
+
+
+def test_recovering_over_unsaved_edits_asks_first(tmp_path):
+    crashed = Autosave(tmp_path)
+    crashed.save(load_task("linear-03"))
+    crashed.close(keep=True)
+    studio = Studio(load_task("linear-08"), None, "127.0.0.1", free_port())
+    session, panel = studio.session, RecoveryPanel(studio._server.gui, studio.session, tmp_path)
+    session.document.set_formula("F_[0:90](A2)")
+    panel._choose("Recover")
+    assert session.leaving is not None
+    assert session.document.scene.formula == "F_[0:90](A2)"
+    session.confirm(False)
+    assert recoverable(tmp_path)
+    panel._choose("Recover")
+    session.confirm(True)
+    assert session.document.scene == load_task("linear-03")
     panel.close()
     studio.close()
 

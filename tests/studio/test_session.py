@@ -176,6 +176,19 @@ def test_there_is_no_policy_before_training(session):
         session.policy()
 
 
+def test_another_task_waits_for_a_word_on_unsaved_edits(session):
+    session.edit("F_[0:90](A2)")
+    session.leave(lambda: session.choose_task("linear-07"))
+    assert session.leaving is not None
+    session.confirm(False)
+    assert session.document.scene.name == "linear-08"
+    session.tick(float("inf"))
+    assert session.unsaved
+    session.document.mark_saved()
+    session.leave(lambda: session.choose_task("linear-07"))
+    assert session.document.scene.name == "linear-07"
+
+
 def test_another_task_waits_for_a_word_while_training_runs(session, monkeypatch):
     going_on = threading.Event()
 
