@@ -107,12 +107,15 @@ class Studio:
         """Draw frames until closed."""
         while not self._closed.is_set():
             began = time.monotonic()
+            self.session.news.clear()
             watched = bool(self._server.get_clients())
             self.session.analyst.watched = watched
             self.session.tick(began)
             for drawable in self._drawables:
                 self._draw(drawable)
-            self._closed.wait(max(0.0, began + (FRAME if watched else IDLE) - time.monotonic()))
+            self.session.news.wait(
+                max(0.0, began + (FRAME if watched else IDLE) - time.monotonic())
+            )
 
     def _draw(self, drawable: Drawable) -> None:
         """Draw; a defect of one panel is shown and must not take the others with it."""
@@ -127,6 +130,7 @@ class Studio:
     def close(self) -> bool:
         """Stop drawing, training and serving; whether all threads have ended."""
         self._closed.set()
+        self.session.news.set()
         if self._recovery is not None:
             self._recovery.close()
         ended = self.session.close()

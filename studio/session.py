@@ -4,6 +4,7 @@ Handlers of the page run on other threads; they `post` a change. The page's loop
 changes in `tick` and is the only one that alters this state.
 """
 
+import threading
 import time
 import traceback
 from collections.abc import Callable
@@ -55,6 +56,8 @@ class Session:
         """Whether the camera follows the robot; whether a click on the initial set starts there."""
         self._make_config = make_config
         self._changes: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self.news = threading.Event()
+        """Set when something was posted; whoever ticks clears it."""
         self._draft: tuple[str, float] | None = None
         self._refused: str | None = None
         self._judged = 0
@@ -102,8 +105,9 @@ class Session:
         return self.document.modified or self._draft is not None or self._refused is not None
 
     def post(self, change: Callable[[], None]) -> None:
-        """Have a change made by the next tick; from any thread."""
+        """Have a change made by the next tick, which comes at once; from any thread."""
         self._changes.put(change)
+        self.news.set()
 
     def tick(self, now: float) -> None:
         """Apply what was posted and pass news on.
