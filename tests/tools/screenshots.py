@@ -8,6 +8,7 @@ Trains on the way; a minute or two.
 import io
 import sys
 import threading
+from functools import partial
 from pathlib import Path
 
 from PIL import Image
@@ -38,6 +39,7 @@ def main(folder: Path) -> None:
             page = browser.new_page(viewport={"width": 1440, "height": 900})
             page.set_default_timeout(WAIT)
             _walk(studio, page, folder)
+            _demos(studio, page, folder)
             browser.close()
     finally:
         studio.close()
@@ -69,6 +71,19 @@ def _walk(studio: Studio, page: Page, folder: Path) -> None:
     page.wait_for_function("document.querySelector('.tg-verdict') !== null")
     _play_until(page, studio, 70, unless=chosen)
     _take(page, folder / "clicked.png")
+
+
+def _demos(studio: Studio, page: Page, folder: Path) -> None:
+    """The demos of the robots in space and of the ant, at their ends."""
+    session = studio.session
+    for robot in ("panda", "quadrotor", "ant"):
+        session.post(partial(session.choose_task, f"{robot}-demo"))
+        while session.specification.scene.name != f"{robot}-demo" or not session.player.recording:
+            page.wait_for_timeout(50)
+        recording = session.player.recording
+        page.wait_for_selector("image.tg-cells")
+        _play_until(page, studio, int(0.7 * recording.steps))
+        _take(page, folder / f"{robot}.png")
 
 
 def _play_until(page: Page, studio: Studio, step: int, unless=None) -> None:
