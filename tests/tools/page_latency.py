@@ -234,8 +234,9 @@ def _cells(studio: Studio, page: Page) -> Answers:
     """From a press of the mouse on a cell until the page plays its rollout."""
     times: Answers = []
     for i in range(CLICKS):
-        box = page.locator("image.tg-cells").first.bounding_box()
-        assert box is not None
+        box = None
+        while box is None:  # the map is drawn anew now and then
+            box = page.locator("image.tg-cells").first.bounding_box()
         shown, began = studio.session.player.recording, time.monotonic()
         page.mouse.click(box["x"] + (0.3 + 0.02 * i) * box["width"], box["y"] + 0.3 * box["height"])
         _wait(lambda shown=shown: studio.session.player.recording is not shown)
