@@ -71,7 +71,7 @@ class Chase:
         states[:, 3:7] = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], -1)
         states[:, POSITIONS:] = 0.1 * random.standard_normal((count, VELOCITIES))
         speed = random.uniform(0, 1.5, count) * (random.random(count) < 0.3)
-        states[:, POSITIONS : POSITIONS + 2] += speed[:, None] * _directions(random, count)
+        states[:, POSITIONS : POSITIONS + 2] += speed[:, None] * directions(random, count)
         self.states[which] = states
         self.age[which] = 0
         self.change(which)
@@ -85,7 +85,7 @@ class Chase:
             [random.uniform(0.1, 1.0, count) ** 0.5, random.uniform(0.7, 4.0, count)],
             random.uniform(0.0, 0.3, count),
         )
-        offset = distance[:, None] * _directions(random, count)
+        offset = distance[:, None] * directions(random, count)
         self.kind[which] = np.where(draw < 0.5, FLEEING, STANDING_GOAL)
         still = np.expand_dims(draw >= 0.5, 1)
         self.waypoint[which] = np.where(still, self.states[which, :2] + offset, offset)
@@ -127,7 +127,7 @@ def _reward(velocity, command, actions, states, fell) -> tuple[np.ndarray, np.nd
     return gain - 0.02 * effort - 10.0 * fell, along
 
 
-def _directions(random: np.random.Generator, count: int) -> np.ndarray:
+def directions(random: np.random.Generator, count: int) -> np.ndarray:
     """Unit vectors [N, 2]."""
     angle = random.uniform(-np.pi, np.pi, count)
     return np.stack([np.cos(angle), np.sin(angle)], -1)

@@ -10,6 +10,7 @@ import numpy as np
 from envs.ant.gait import Gait, shipped_gait
 from envs.ant.model import DT, STANDING, has_fallen
 from envs.ant.native import NativePhysics
+from tests.tools.gait.chase import directions
 
 SECONDS = 10.0
 LATE = 60  # steps after which an ant walks as it goes on walking
@@ -32,14 +33,9 @@ def standing_states(random: np.random.Generator, count: int) -> np.ndarray:
     return states
 
 
-def _directions(random: np.random.Generator, count: int) -> np.ndarray:
-    angle = random.uniform(-np.pi, np.pi, count)
-    return np.stack([np.cos(angle), np.sin(angle)], -1)
-
-
 def _goals(physics, random, count) -> dict[str, float]:
     """A goal 3 m away: reached within 0.5 m in 5 s; afterwards, how close it stands."""
-    states, goal = standing_states(random, count), 3.0 * _directions(random, count)
+    states, goal = standing_states(random, count), 3.0 * directions(random, count)
     arrived, close = np.full(count, np.inf), []
     for step in range(round(SECONDS / DT)):
         states = physics.step(states, goal - states[:, :2])
@@ -58,7 +54,7 @@ def _goals(physics, random, count) -> dict[str, float]:
 
 def _chases(physics, random, count, distance) -> dict[str, float]:
     """A waypoint that flees straight: the speed towards it, and falls per 1000 steps."""
-    states, ahead = standing_states(random, count), _directions(random, count)
+    states, ahead = standing_states(random, count), directions(random, count)
     steps, fallen, speeds = round(SECONDS / DT), np.zeros(count, bool), []
     lasted = 0
     for step in range(steps):
@@ -77,14 +73,14 @@ def _chases(physics, random, count, distance) -> dict[str, float]:
 
 def _turns(physics, random, count) -> dict[str, float]:
     """A waypoint 1 m away that changes its direction every 1 to 4 s: falls per 1000 steps."""
-    states, ahead = standing_states(random, count), _directions(random, count)
+    states, ahead = standing_states(random, count), directions(random, count)
     left, fallen, lasted = random.integers(20, 80, count), np.zeros(count, bool), 0
     for _ in range(2 * round(SECONDS / DT)):
         lasted += int((~fallen).sum())
         states = physics.step(states, ahead)
         fallen |= has_fallen(states)
         left -= 1
-        ahead = np.where((left <= 0)[:, None], _directions(random, count), ahead)
+        ahead = np.where((left <= 0)[:, None], directions(random, count), ahead)
         left = np.where(left <= 0, random.integers(20, 80, count), left)
     return {"falls_per_1000_turning": float(1000 * fallen.sum() / lasted)}
 
