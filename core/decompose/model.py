@@ -16,7 +16,10 @@ from enum import Enum
 from itertools import product
 from typing import Literal
 
+import numpy as np
+
 from core.errors import UserError
+from core.quoting import LONGEST_FORMULA, shown
 from core.stl import Formula, to_text
 
 Guards = tuple[tuple[int, int], ...]
@@ -28,9 +31,11 @@ class DecompositionError(UserError):
 
     def __init__(self, formula: Formula, reason: str, *, near: Formula | None = None):
         self.formula = formula
+        self.reason = reason
         self.span = formula.span or (near.span if near else None)
         place = f" (columns {self.span.start + 1}-{self.span.stop})" if self.span else ""
-        super().__init__(f"cannot decompose `{to_text(formula)}`{place}: {reason}")
+        text = shown(to_text(formula), LONGEST_FORMULA)
+        super().__init__(f"cannot decompose `{text}`{place}: {reason}")
 
 
 @dataclass(frozen=True)
@@ -82,7 +87,7 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True)
-class Task:
+class Subtask:
     """`predicate`, a state formula in negation normal form, holds throughout [start, end]."""
 
     kind: Kind
@@ -96,12 +101,19 @@ class Task:
 
 @dataclass(frozen=True)
 class Requirement:
-    """A schedule is admissible only if minimum <= total (<= maximum), where the guards match."""
+    """A schedule is admissible only if minimum <= total - since <= maximum, where guards match."""
 
     total: TimeExpr
-    minimum: int
+    minimum: int | None
     guards: Guards = ()
     maximum: int | None = None
+    since: TimeExpr = TimeExpr()
+
+    def met(self, schedule: Sequence[int]) -> bool:
+        """Whether a schedule keeps the bounds, guards apart."""
+        value = self.total.at(schedule) - self.since.at(schedule)
+        above = self.minimum is None or value >= self.minimum
+        return above and (self.maximum is None or value <= self.maximum)
 
 
 @dataclass(frozen=True)
@@ -119,6 +131,8 @@ class TreeNode:
     children: tuple["TreeNode", ...] = ()
     choice: int | None = None
     time: TimeExpr = field(default_factory=TimeExpr)
+    end: TimeExpr | None = None
+    """Last step of the window throughout which the formula holds; None for one step."""
 
     def walk(self) -> Iterator["TreeNode"]:
         """Yield the node and all below it, parents first."""
@@ -133,7 +147,7 @@ class Decomposition:
 
     formula: Formula
     variables: tuple[Variable, ...]
-    tasks: tuple[Task, ...]
+    tasks: tuple[Subtask, ...]
     requirements: tuple[Requirement, ...]
     tree: TreeNode
     horizon: int
@@ -141,12 +155,15 @@ class Decomposition:
     names: tuple[tuple[str, Formula], ...] = ()
     """Short names of the subformulas in the labels of the tree, the formula itself first."""
     visits_missing: int = 0
-    """How many further visits make "only if" true for every G(F); 0 if it is already."""
+    """How many further visits in each chain make "only if" true; 0 if they cannot or it is."""
+    visits_extra: int = 0
+    """Visits in each chain beyond the least number that can work."""
+    one_sided: bool = False
+    """Whether some satisfying traces fit no schedule, however many visits there are."""
 
-    @property
-    def domain_sizes(self) -> tuple[int, ...]:
-        """Number of values of each variable."""
-        return tuple(v.high - v.low + 1 for v in self.variables)
+    def own_values(self, schedule: Sequence[int] | np.ndarray) -> tuple[int, ...]:
+        """The values of a schedule without its padding."""
+        return tuple(int(value) for value in schedule[: len(self.variables)])
 
     def schedules(self) -> Iterator[tuple[int, ...]]:
         """Every admissible schedule, in lexicographic order."""
@@ -159,12 +176,12 @@ class Decomposition:
             v.low <= value <= v.high for v, value in zip(self.variables, schedule, strict=True)
         )
         return in_domain and all(
-            _meets(requirement, schedule)
+            requirement.met(schedule)
             for requirement in self.requirements
             if _matches(requirement.guards, schedule)
         )
 
-    def active_tasks(self, schedule: Sequence[int]) -> list[tuple[Task, int, int]]:
+    def active_tasks(self, schedule: Sequence[int]) -> list[tuple[Subtask, int, int]]:
         """Tasks of the chosen branches with first and last step, empty windows included."""
         return [
             (task, task.start.at(schedule), task.end.at(schedule))
@@ -175,9 +192,3 @@ class Decomposition:
 
 def _matches(guards: Guards, schedule: Sequence[int]) -> bool:
     return all(schedule[variable] == value for variable, value in guards)
-
-
-def _meets(requirement: Requirement, schedule: Sequence[int]) -> bool:
-    total = requirement.total.at(schedule)
-    highest = total if requirement.maximum is None else requirement.maximum
-    return requirement.minimum <= total <= highest

@@ -11,7 +11,10 @@ Names = tuple[tuple[str, Formula], ...]
 
 
 def name_nodes(tree: TreeNode, variables: Sequence[Variable]) -> tuple[TreeNode, Names]:
-    """Label the nodes that are not tasks `Reach(phi0, t1)`; equal subformulas share a name."""
+    """Label the nodes that are not tasks `Reach(phi0, t1)` or `Inv(phi0, [0, t1])`.
+
+    Equal subformulas share a name.
+    """
     fresh = _fresh_names(set(atom_names(tree.formula)))
     names: dict[Formula, str] = {}
 
@@ -20,7 +23,10 @@ def name_nodes(tree: TreeNode, variables: Sequence[Variable]) -> tuple[TreeNode,
             return node
         if node.formula not in names:
             names[node.formula] = next(fresh)
-        label = f"Reach({names[node.formula]}, {node.time.text(variables)})"
+        name, start = names[node.formula], node.time.text(variables)
+        label = f"Reach({name}, {start})"
+        if node.end is not None:
+            label = f"Inv({name}, [{start}, {node.end.text(variables)}])"
         return replace(node, label=label, children=tuple(named(c) for c in node.children))
 
     labelled = named(tree)

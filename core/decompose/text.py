@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from core.decompose.model import Decomposition, Guards, Kind, TreeNode, Variable
+from core.decompose.model import Decomposition, Guards, Kind, TimeExpr, TreeNode, Variable
 from core.stl import to_text as formula_text
 
 
@@ -51,14 +51,28 @@ def edge_text(node: TreeNode, variables: Sequence[Variable]) -> str:
     return f"{variable.name} in [{variable.low}, {variable.high}]"
 
 
+def left_out(decomposition: Decomposition) -> str:
+    """Say which satisfying traces fit no schedule; empty if each fits one."""
+    missing = decomposition.visits_missing
+    reasons = []
+    if missing:
+        more = "one visit" if missing == 1 else f"up to {missing} visits"
+        reasons.append(f"repeated visits are planned without {more} that irregular traces need")
+    if decomposition.one_sided:
+        reasons.append("a choice for each step is planned as one for the whole window")
+    text = "; ".join(reasons)
+    return text[:1].upper() + text[1:]
+
+
 def to_text(decomposition: Decomposition) -> str:
-    """Tree, short names, branches, requirements and table of tasks as plain text."""
+    """Tree, short names, branches, requirements, tasks and what is left out, as plain text."""
     blocks = [
         list(_tree_lines(decomposition, decomposition.tree)),
         [f"{name} = {formula_text(formula)}" for name, formula in decomposition.names],
         _branch_lines(decomposition),
         _requirement_lines(decomposition),
         _table_lines(decomposition),
+        [left_out(decomposition)] if left_out(decomposition) else [],
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
@@ -86,11 +100,12 @@ def _requirement_lines(decomposition: Decomposition) -> list[str]:
     lines = []
     for requirement in decomposition.requirements:
         total = requirement.total.text(decomposition.variables)
+        if requirement.since != TimeExpr():
+            total += f" - ({requirement.since.text(decomposition.variables)})"
+        lower = "" if requirement.minimum is None else f"{requirement.minimum} <= "
         upper = "" if requirement.maximum is None else f" <= {requirement.maximum}"
         when = _guards_text(requirement.guards, decomposition.variables)
-        lines.append(
-            f"required: {requirement.minimum} <= {total}{upper}{' when ' + when if when else ''}"
-        )
+        lines.append(f"required: {lower}{total}{upper}{' when ' + when if when else ''}")
     return lines
 
 

@@ -1,4 +1,6 @@
-"""Chains of visits for G_[a:b] F_[c:d] phi.
+"""How many visits or episodes keep up a formula throughout a window, and when.
+
+Chains of visits for G_[a:b] F_[c:d] phi.
 
 With w = d - c + 1, steps v_1 <= ... <= v_n at which phi holds satisfy the formula at e if
 
@@ -18,6 +20,11 @@ satisfying trace contains such a chain; how long it is depends on the trace.
   and the chain is complete as soon as the bound is e+b+c. Traces that attain the bounds exist:
   visits in pairs, one step apart, w steps after the last pair. A chain that is complete sooner
   repeats its last visit (gap 0), which is why v_n <= e+b+d loses nothing.
+
+Where phi is asked for only at some steps, the response psi | F_[c:d] phi, take the latest visit for
+the first step x_1 that asks, and so on for the first step x_k that no visit so far serves. Then
+x_{k+2} >= x_k + w + 1 (`enough_responses`). An episode of psi | G_[c:d] phi ends where phi fails
+between two steps that ask; they are at least w + 1 apart (`enough_episodes`).
 
 The domains are cut to what a complete chain can use: with the slack by which the latest chain
 overshoots e+b+c, nothing may come earlier than its latest value less the slack.
@@ -58,6 +65,18 @@ def enough_visits(length: int, width: int) -> int:
     odd = 1 + 2 * -(-length // (width + 1))
     even = 2 + 2 * max(0, -(-(length - width) // (width + 1)))
     return min(odd, even)
+
+
+def enough_responses(length: int, width: int) -> int:
+    """Visits that suffice to answer every step that asks, in a window of `length` + 1 steps."""
+    odd = 1 + 2 * (length // (width + 1))
+    even = 2 + 2 * ((length - 1) // (width + 1)) if length else 0
+    return max(odd, even)
+
+
+def enough_episodes(length: int, width: int) -> int:
+    """Episodes of a G that suffice in a window of `length` + 1 steps."""
+    return 1 + length // (width + 1)
 
 
 def chain_of_visits(window: Interval, within: Interval, count: int) -> Chain:

@@ -1,6 +1,7 @@
-from core.monitor.explain import Diagnosis, diagnose, explain
+from core.monitor.explain import Diagnosis, diagnose
 from core.monitor.leaves import LeafStatus, leaf_status
-from core.monitor.signals import FailureSignals, Signals, with_children
+from core.monitor.prefix import falsified_at
+from core.monitor.signals import FailureSignals, Signals
 from core.monitor.table import MonitorRow, monitor_rows
 
 __all__ = [
@@ -10,8 +11,7 @@ __all__ = [
     "MonitorRow",
     "Signals",
     "diagnose",
-    "explain",
+    "falsified_at",
     "leaf_status",
     "monitor_rows",
-    "with_children",
 ]

@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from core.decompose import Decomposition, Task
+from core.decompose import Decomposition, Subtask
 from core.monitor.signals import Signals
 
 
@@ -44,7 +44,7 @@ def leaf_status(
         carries out the schedule (given that it is as long as the formula's horizon).
     """
     signals = Signals(margins, names)
-    chosen = tuple(int(value) for value in schedule[: len(decomposition.variables)])
+    chosen = decomposition.own_values(schedule)
     active = {id(task): (start, end) for task, start, end in decomposition.active_tasks(chosen)}
     status = np.zeros((len(decomposition.tasks), len(signals.margins)), np.int8)
     for row, task in zip(status, decomposition.tasks, strict=True):
@@ -53,7 +53,7 @@ def leaf_status(
     return status
 
 
-def _status(task: Task, start: int, end: int, signals: Signals) -> np.ndarray:
+def _status(task: Subtask, start: int, end: int, signals: Signals) -> np.ndarray:
     step = np.arange(len(signals.margins))
     if start > end:
         return np.full(step.size, LeafStatus.MET)

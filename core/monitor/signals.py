@@ -15,26 +15,19 @@ Dimensions: T steps, A atoms.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from core.stl import (
-    Always,
-    And,
     Atom,
-    Constant,
-    Eventually,
     Formula,
     Implies,
     Not,
-    Or,
     TraceError,
-    Until,
-    atom_names,
     children,
     horizon,
     robustness_signal,
+    with_children,
 )
 
 
@@ -54,8 +47,8 @@ class Signals:
         margins = np.asarray(margins, float)
         if margins.ndim != 2 or not len(margins) or margins.shape[1] < len(names):
             raise TraceError(
-                f"margins have shape {margins.shape}; expected [steps, atoms] with a column for "
-                f"each of the {len(names)} names"
+                f"the margins have shape {margins.shape}; expected [steps, atoms] with a column "
+                f"for each of the {len(names)} names"
             )
         self.margins, self.names = margins, tuple(names)
         self._known: dict[Formula, np.ndarray] = {}
@@ -95,29 +88,6 @@ class FailureSignals:
     def __getitem__(self, formula: Formula) -> np.ndarray:
         """First step by which the formula has failed [max(0, T - horizon)]; +inf if it holds."""
         return self._signals[_by_polarity(formula, "+")]
-
-
-def with_children(formula: Formula, parts: tuple[Formula, ...]) -> Formula:
-    """The same operator over other operands."""
-    match formula:
-        case Constant() | Atom():
-            return formula
-        case Not() | Eventually() | Always():
-            return replace(formula, operand=parts[0])
-        case And() | Or():
-            return replace(formula, operands=parts)
-        case Implies() | Until():
-            return replace(formula, left=parts[0], right=parts[1])
-    raise TypeError(f"not a formula: {formula!r}")
-
-
-def check_names(formula: Formula, names: Sequence[str]) -> None:
-    """Refuse a formula with atoms that the trace does not have."""
-    unknown = [name for name in atom_names(formula) if name not in names]
-    if unknown:
-        raise TraceError(
-            f"the trace has no margins for {', '.join(unknown)}; it has {', '.join(names)}"
-        )
 
 
 def _by_polarity(formula: Formula, sign: str) -> Formula:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.monitor.signals import Signals, check_names
+from core.monitor.signals import Signals
 from core.stl import (
     Always,
     Atom,
@@ -15,7 +15,9 @@ from core.stl import (
     Interval,
     Not,
     Until,
+    check_columns,
     children,
+    operand_windows,
     to_text,
 )
 
@@ -65,7 +67,7 @@ def monitor_rows(
     Raises:
         TraceError: margins of a wrong shape, or an atom without margins.
     """
-    check_names(formula, names)
+    check_columns(formula, margins, names)
     signals = Signals(margins, names)
     depths: dict[Formula, int] = {}
     windows: dict[Formula, list[Interval]] = {}
@@ -86,19 +88,8 @@ def _nodes(
         return
     if isinstance(formula, Not) and isinstance(formula.operand, Atom):
         return
-    for child, inner in zip(children(formula), _windows(formula, window), strict=True):
+    for child, inner in zip(children(formula), operand_windows(formula, window), strict=True):
         yield from _nodes(child, depth + 1, inner)
-
-
-def _windows(formula: Formula, window: Interval) -> list[Interval]:
-    """Steps at which each operand matters when the formula matters throughout a window."""
-    match formula:
-        case Eventually(interval=(a, b)) | Always(interval=(a, b)):
-            return [Interval(window.start + a, window.stop + b)]
-        case Until(interval=(a, b)):
-            stop = window.stop + b
-            return [Interval(window.start, stop), Interval(window.start + a, stop)]
-    return [window] * len(children(formula))
 
 
 def _union(windows: list[Interval]) -> tuple[Interval, ...]:

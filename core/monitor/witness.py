@@ -1,7 +1,7 @@
 """Which atom, at which step, decides the robustness of a formula that holds.
 
 Follow the operand of each minimum that attains it and of each maximum that attains it first. All
-formulas here are in negation normal form.
+formulas here are in negation normal form and without constants.
 """
 
 from typing import NamedTuple
@@ -12,7 +12,6 @@ from core.monitor.signals import Signals
 from core.stl import (
     Always,
     And,
-    Constant,
     Eventually,
     Formula,
     Not,
@@ -31,18 +30,13 @@ class Witness(NamedTuple):
     requirement: Formula
 
 
-def decisive(formula: Formula, step: int, signals: Signals) -> Witness | None:
-    """Find the literal whose margin equals the robustness at a step, up to its sign.
-
-    None where a constant decides.
-    """
+def decisive(formula: Formula, step: int, signals: Signals) -> Witness:
+    """Find the literal whose margin equals the robustness at a step, up to its sign."""
     return _decisive(formula, step, signals, formula)
 
 
-def _decisive(formula: Formula, step: int, signals: Signals, within: Formula) -> Witness | None:
+def _decisive(formula: Formula, step: int, signals: Signals, within: Formula) -> Witness:
     match formula:
-        case Constant():
-            return None
         case And(operands=operands):
             worst = min(operands, key=lambda each: signals[each][step])
             return _decisive(worst, step, signals, _requirement(worst, within, formula))
@@ -67,16 +61,16 @@ def _requirement(operand: Formula, within: Formula, parent: Formula) -> Formula:
     return operand if within is parent and not is_state_formula(parent) else within
 
 
-def _of_until(until: Until, step: int, signals: Signals, within: Formula) -> Witness | None:
+def _of_until(until: Until, step: int, signals: Signals, within: Formula) -> Witness:
     """Of an until, or of its negation (then `within` is not the until)."""
-    goal_step, held_step, goal_decides = best_meeting(until, step, signals)
+    goal_step, held_step, goal_decides = _best_meeting(until, step, signals)
     operand, at = (until.right, goal_step) if goal_decides else (until.left, held_step)
     if within is not until:
         operand = negation_normal_form(Not(operand))
     return _decisive(operand, at, signals, within)
 
 
-def best_meeting(until: Until, step: int, signals: Signals) -> tuple[int, int, bool]:
+def _best_meeting(until: Until, step: int, signals: Signals) -> tuple[int, int, bool]:
     """Where an until is met best.
 
     Returns:

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
+from core.quoting import LONGEST_FORMULA, shown
 from core.stl import Atom, Formula, Not, quote_name, to_text
-
-LONGEST_QUOTE = 90  # characters
 
 
 @dataclass(frozen=True)
@@ -43,18 +42,16 @@ def metres(distance: float) -> str:
 
 def quoted(formula: Formula) -> str:
     """Text of a formula, the middle of a long one left out."""
-    text = to_text(formula)
-    half = (LONGEST_QUOTE - 5) // 2
-    return text if len(text) <= LONGEST_QUOTE else f"{text[:half]} ... {text[-half:]}"
+    return shown(to_text(formula), LONGEST_FORMULA)
 
 
 def literal(formula: Formula) -> tuple[str, bool] | None:
     """Name and sign of an atom or a negated atom."""
     match formula:
         case Atom(name=name):
-            return quote_name(name), True
+            return shown(quote_name(name)), True
         case Not(operand=Atom(name=name)):
-            return quote_name(name), False
+            return shown(quote_name(name)), False
     return None
 
 
@@ -62,7 +59,7 @@ def breach(formula: Formula, when: str, short: float, several: bool) -> str:
     """What happened where a state formula failed, missing by `short` [m] at worst."""
     name, wanted = literal(formula) or ("", True)
     up_to = "up to " if several else ""
-    place = f"{'in' if several else 'at'} {when}"
+    place = f"{'during' if several else 'at'} {when}"
     if not name:
         return f"{quoted(formula)} did not hold {place}, missing by {up_to}{metres(short)}"
     if wanted:
@@ -74,9 +71,12 @@ def miss(formula: Formula, when: str, short: float, nearest: str) -> str:
     """What did not happen where a state formula never held, nearest by `short` [m]."""
     name, wanted = literal(formula) or ("", True)
     if not name:
-        return f"{quoted(formula)} never held {when}; nearest by {metres(short)} at {nearest}"
-    verb = "reached" if wanted else "left"
-    return f"{name} was never {verb} {when}; nearest {metres(short)} at {nearest}"
+        closest = f"it came closest at {nearest}, missing by {metres(short)}"
+        return f"{quoted(formula)} never held {when}; {closest}"
+    closest = f"the robot came closest at {nearest}, {metres(short)}"
+    if wanted:
+        return f"{name} was never reached {when}; {closest} away"
+    return f"{name} was never left {when}; {closest} deep"
 
 
 def demand(formula: Formula) -> str:

@@ -44,20 +44,61 @@ class Algebra:
         block and the beginning of the next (van Herk 1992; Gil and Werman 1993). The two parts
         are disjoint, hence no element is counted twice by a join that is not idempotent.
         """
+        length = signal.shape[-1]
         if width == 1:
             return signal
-        xp, length = self.xp, signal.shape[-1]
-        batch, count = signal.shape[:-1], -(-length // width)
-        # No window reaches the padding, so any finite value will do.
-        padded = xp.pad(signal, [(0, 0)] * len(batch) + [(0, count * width - length)])
-        blocks = padded.reshape(*batch, count, width)
-        running = self.accumulate(xp.stack([blocks, xp.flip(blocks, -1)]))
-        heads = running[0].reshape(padded.shape)
-        tails = xp.flip(running[1], -1).reshape(padded.shape)
-        starts = length - width + 1
-        tails = tails[..., :starts]
-        whole_block = xp.broadcast_to(np.arange(starts) % width == 0, tails.shape)
-        return xp.where(whole_block, tails, self.join(tails, heads[..., width - 1 : length]))
+        if width == length:
+            return self.accumulate(signal)[..., -1:]
+        blocks = self._blocks(signal, width)
+        running = self.accumulate(self.xp.stack([blocks, self.xp.flip(blocks, -1)]))
+        heads, tails = _unblocked(running[0]), _unblocked(self.xp.flip(running[1], -1))
+        tails = tails[..., : length - width + 1]
+        return self._across(tails, self.join(tails, heads[..., width - 1 : length]), width)
+
+    def slide_until(self, left: Array, right: Array, width: int) -> Array:
+        """Join over k < width of the meet of right(t + k) and of left over [t, t + k].
+
+        From [..., L] to [..., L - width + 1], in blocks like `slide`: a window is met either in
+        its tail of one block, or in the head of the next when left holds throughout the tail.
+        The value at t depends on the window [t, t + width - 1] and on nothing else.
+        """
+        length = left.shape[-1]
+        if width == 1:
+            return self.meet(left, right)
+        if width == length:
+            return self._until_the_end(left, right)[..., :1]
+        left, right = self._blocks(left, width), self._blocks(right, width)
+        tails = _unblocked(self._until_the_end(left, right))[..., : length - width + 1]
+        held = -self.accumulate(-self.xp.stack([left, self.xp.flip(left, -1)]))
+        heads = _unblocked(self.accumulate(self.meet(held[0], right)))
+        throughout = _unblocked(self.xp.flip(held[1], -1))[..., : length - width + 1]
+        later = self.meet(throughout, heads[..., width - 1 : length])
+        return self._across(tails, self.join(tails, later), width)
+
+    def _until_the_end(self, left: Array, right: Array) -> Array:
+        """The until of [t, L - 1] for every t: u(t) = meet(left, join(right, u(t + 1)))."""
+
+        def step(later: Array, now: Array) -> Array:
+            return self.meet(now[0], self.join(now[1], later))
+
+        pairs = self.xp.moveaxis(self.xp.stack([left, right]), -1, 0)  # [L, 2, ...]
+        return self.scan_back(step, self.meet(left[..., -1], right[..., -1]), pairs[:-1])
+
+    def _blocks(self, signal: Array, width: int) -> Array:
+        """[..., L] as [..., ceil(L / width), width]; the padding is in no window."""
+        batch, length = signal.shape[:-1], signal.shape[-1]
+        count = -(-length // width)
+        padded = self.xp.pad(signal, [(0, 0)] * len(batch) + [(0, count * width - length)])
+        return padded.reshape(*batch, count, width)
+
+    def _across(self, within: Array, across: Array, width: int) -> Array:
+        """Values of the windows that are a whole block, and of those across two blocks."""
+        whole_block = np.arange(within.shape[-1]) % width == 0
+        return self.xp.where(self.xp.broadcast_to(whole_block, within.shape), within, across)
+
+
+def _unblocked(blocks: Array) -> Array:
+    return blocks.reshape(*blocks.shape[:-2], -1)
 
 
 def exact_algebra(signal: Array) -> Algebra:

@@ -12,7 +12,7 @@ _SECONDS = {"s": Fraction(1), "ms": Fraction(1, 1000)}
 
 
 class BoundError(ValueError):
-    """A bound that is no step; the parser adds the place."""
+    """A bound that is not a step; the parser adds the place."""
 
     def __init__(self, problem: str, hint: str = ""):
         super().__init__(problem)
@@ -32,7 +32,7 @@ def steps(number: str, unit: str | None, dt: float | None) -> int:
         raise BoundError(f"a number of {len(number)} characters is too long for a bound")
     value = Fraction(number)
     if value < 0:
-        raise BoundError(f"the bound {shown} is negative", "intervals look ahead: 0 <= a <= b")
+        raise BoundError(f"the bound {shown} is negative", "[a:b] needs 0 <= a <= b")
     count = _whole_steps(value, shown) if unit is None else _in_steps(value, unit, shown, dt)
     if count > MAX_STEPS:
         raise BoundError(f"the bound {shown} is too large", f"at most {MAX_STEPS} steps")
@@ -44,7 +44,7 @@ def _whole_steps(value: Fraction, shown: str) -> int:
         below = value.numerator // value.denominator
         raise BoundError(
             f"the bound {shown} is not a whole number of steps",
-            f"its neighbours are {below} and {below + 1}; seconds are written {shown} s",
+            f"the nearest are {below} and {below + 1}; for seconds, write {shown} s",
         )
     return value.numerator
 
@@ -52,16 +52,18 @@ def _whole_steps(value: Fraction, shown: str) -> int:
 def _in_steps(value: Fraction, unit: str, shown: str, dt: float | None) -> int:
     if dt is None:
         raise BoundError(
-            f"the bound {shown} needs a robot's time step", "without one, bounds are in steps"
+            f"the bound {shown} needs the robot's time step", "without it, bounds are in steps"
         )
     step = Fraction(str(dt)) / _SECONDS[unit]
     below, remainder = divmod(value, step)
     if remainder:
-        lower, upper = (_decimal(count * step) for count in (below, below + 1))
+        lower, upper = (
+            f"{_decimal(count * step)} {unit} ({count} {'step' if count == 1 else 'steps'})"
+            for count in (below, below + 1)
+        )
         raise BoundError(
             f"the bound {shown} is not a multiple of the time step {_decimal(step)} {unit}",
-            f"its neighbours are {lower} {unit} ({below} steps) and "
-            f"{upper} {unit} ({below + 1} steps)",
+            f"the nearest are {lower} and {upper}",
         )
     return int(below)
 

@@ -3,13 +3,18 @@
 import difflib
 import re
 from collections.abc import Collection
+from functools import partial, reduce
+from unicodedata import normalize
 
 from lark import Token, Tree
 
+from core.quoting import listed, quoted
 from core.stl.bounds import BoundError, steps
 from core.stl.errors import FormulaError
 from core.stl.grammar import join_subscript
+from core.stl.limits import subtrees, too_large
 from core.stl.printer import quote_name
+from core.stl.reach import OPEN
 from core.stl.syntax import (
     Always,
     And,
@@ -25,39 +30,49 @@ from core.stl.syntax import (
     Until,
 )
 
-# Operators nested in one another, and parentheses nested in one another.
-MAX_DEPTH = 64
-_NO_OPERATOR = {"parentheses", "name", "quoted", "latex_text", "true", "false", "interval", "bound"}
-_MAX_NAMES_SHOWN = 12
-
 
 class Builder:
-    """Builds the syntax tree of one text."""
+    """Builds the syntax tree of one text; open operators still have no upper bound.
+
+    Args:
+        text: as typed.
+        dt: duration of a step [s], for bounds with units.
+        names: the names that atoms may have; any, if None.
+    """
 
     def __init__(self, text: str, dt: float | None, names: Collection[str] | None):
         self._text = text
         self._dt = dt
         self._names = None if names is None else list(dict.fromkeys(names))
+        self.notes: list[str] = []
+        """What was read otherwise than it may have been meant."""
 
     def build(self, tree: Tree) -> Formula:
-        """Check the depth without recursion, then build."""
-        self._check_depth(tree)
-        return self._formula(tree.children[0])
+        """Check depth and size without recursion, then build."""
+        root = subtrees(tree)[0]
+        found = too_large(root)
+        if found:
+            raise self._error(*found)
+        label = tree.children[0]
+        if isinstance(label, Token):
+            self._leave_out(label, root)
+        return self._formula(root)
 
-    def _check_depth(self, tree: Tree) -> None:
-        pending = [(tree.children[0], 0, 0)]
-        while pending:
-            node, operators, parentheses = pending.pop()
-            operators += node.data not in _NO_OPERATOR
-            parentheses += node.data == "parentheses"
-            if max(operators, parentheses) > MAX_DEPTH:
-                what = "operators" if operators > MAX_DEPTH else "parentheses"
-                raise self._error(f"more than {MAX_DEPTH} {what} are nested in one another", node)
-            pending += [(child, operators, parentheses) for child in _subtrees(node)]
+    def _leave_out(self, label: Token, root: Tree) -> None:
+        """Note the name in front of the formula, unless it is that of a region."""
+        written = str(label).strip()
+        name = written.rstrip(":= ≔")
+        if self._names is not None and name in self._names:
+            raise self._error(
+                f"{quoted(written)} stands before a formula, but {quoted(name)} is an atom",
+                root,
+                hint=f"write {quote_name(name)} <-> ... for exactly when",
+            )
+        self.notes.append(f"{quoted(written)} names the formula and is left out.")
 
     def _formula(self, node: Tree) -> Formula:
         span = Span(node.meta.start_pos, node.meta.end_pos)
-        below = _subtrees(node)
+        below = subtrees(node)
         match node.data:
             case "parentheses":
                 return self._formula(below[0])
@@ -73,29 +88,62 @@ class Builder:
                 return Or(tuple(map(self._formula, below)), span=span)
             case "implication":
                 return Implies(*map(self._formula, below), span=span)
+            case "equivalence":
+                left, right = map(self._formula, below)
+                return _equivalence(left, right, span)
+            case "exclusive":
+                first, *rest = map(self._formula, below)
+                return reduce(partial(_exclusive, span=span), rest, first)
             case "eventually":
-                return Eventually(self._interval(below[0]), self._formula(below[1]), span=span)
+                return Eventually(self._interval(below), self._formula(below[-1]), span=span)
             case "always":
-                return Always(self._interval(below[0]), self._formula(below[1]), span=span)
+                return Always(self._interval(below), self._formula(below[-1]), span=span)
             case "until":
-                left, right = self._formula(below[0]), self._formula(below[2])
-                return Until(self._interval(below[1]), left, right, span=span)
+                left, right = self._formula(below[0]), self._formula(below[-1])
+                return Until(self._interval(below[1:]), left, right, span=span)
         raise AssertionError(f"no rule of the grammar: {node.data}")
 
-    def _interval(self, node: Tree) -> Interval:
-        first, last = _subtrees(node)
-        start, stop = self._steps(first), self._steps(last)
+    def _interval(self, below: list[Tree]) -> Interval:
+        """The interval that stands first, if there is one; else all steps that are left."""
+        node = below[0]
+        if node.data != "interval":
+            return Interval(0, OPEN)
+        first, last = subtrees(node)[0], subtrees(node)[-1]
+        start = self._steps(first)
+        comparison = next((str(t) for t in node.children if _is_token(t, "COMPARISON")), "")
+        if comparison:
+            return self._compared(comparison, start, node)
+        if last.data == "open":
+            return Interval(start, OPEN)
+        if first is last:
+            self.notes.append(
+                f"{self._typed(node)} is the one step [{start}:{start}]; "
+                f"for any step up to it write [0:{start}]."
+            )
+        stop = self._steps(last)
         if (_unit(first) is None) != (_unit(last) is None) and start > 0 and stop > 0:
             raise self._error(
-                "one bound has a unit and the other has none", node, hint="give both a unit"
+                "one bound has a unit and the other has none", node, hint="give both bounds a unit"
             )
         if start > stop:
+            low, high = _bound_text(last), _bound_text(first)
             raise self._error(
-                f"the interval [{_bound_text(first)}:{_bound_text(last)}] is empty",
+                f"the interval [{high}:{low}] is empty",
                 node,
-                hint="0 <= a <= b",
+                hint=f"[a:b] needs 0 <= a <= b; did you mean [{low}:{high}]?",
             )
         return Interval(start, stop)
+
+    def _compared(self, comparison: str, bound: int, node: Tree) -> Interval:
+        """The interval of `F_{<=5}` and its like."""
+        match comparison.lstrip("\\")[0]:
+            case "=" if comparison == "=":
+                return Interval(bound, bound)
+            case ">" | "≥" | "⩾" | "≧" | "g":
+                return Interval(bound + (comparison == ">"), OPEN)
+        if comparison == "<" and bound == 0:
+            raise self._error("no step is before step 0", node, hint="[a:b] needs 0 <= a <= b")
+        return Interval(0, bound - (comparison == "<"))
 
     def _steps(self, node: Tree) -> int:
         try:
@@ -104,27 +152,30 @@ class Builder:
             raise self._error(str(error), node, hint=error.hint) from None
 
     def _name(self, node: Tree) -> str:
-        written = str(node.children[0])
-        if node.data == "name":
-            name = written if self._names and written in self._names else join_subscript(written)
-        elif node.data == "quoted":
-            name = re.sub(r"\\(.)", lambda match: _ESCAPES.get(match[1], match[1]), written[1:-1])
-        else:
-            name = written[written.index("{") + 1 : -1].strip()
-        if not name:
+        written = self._typed(node)
+        readings = _readings(node.data, written)
+        if not readings[-1]:
             raise self._error("the name is empty", node)
-        if self._names is not None and name not in self._names:
-            raise self._unknown_name(name, node)
-        return name
+        if self._names is None:
+            return readings[-1]
+        known = [name for name in readings if name in self._names]
+        if not known:
+            raise self._unknown_name(written if node.data == "name" else readings[-1], node)
+        return known[0]
 
     def _unknown_name(self, name: str, node: Tree) -> FormulaError:
-        known = _closest_first(name, self._names or [])
-        if not known:
-            return self._error(f"unknown name '{name}'", node, hint="there are no names yet")
-        shown = ", ".join(map(quote_name, known[:_MAX_NAMES_SHOWN]))
-        more = len(known) - _MAX_NAMES_SHOWN
-        rest = f" and {more} more" if more > 0 else ""
-        return self._error(f"unknown name '{name}'", node, expected=f"one of {shown}{rest}")
+        problem = f"unknown name {quoted(name)}"
+        if not self._names:
+            return self._error(problem, node, hint="no names are defined yet")
+        nearest = _closest_first(name, self._names)
+        known = listed([quote_name(each) for each in nearest])
+        same = nearest[0].casefold() == name.casefold()
+        hint = f"did you mean {quote_name(nearest[0])}? Capitals count" if same else ""
+        return self._error(problem, node, expected=f"one of {known}", hint=hint)
+
+    def _typed(self, node: Tree) -> str:
+        """The node as it was typed."""
+        return self._text[node.meta.start_pos : node.meta.end_pos]
 
     def _error(self, problem: str, node: Tree, *, expected: str = "", hint: str = ""):
         return FormulaError(problem, self._text, node.meta.start_pos, expected=expected, hint=hint)
@@ -133,16 +184,45 @@ class Builder:
 _ESCAPES = {"n": "\n"}
 
 
-def _subtrees(node: Tree) -> list[Tree]:
-    return [child for child in node.children if isinstance(child, Tree)]
+def _readings(rule: str, written: str) -> list[str]:
+    """What a name may mean as typed; the last is what it means where no names are known."""
+    match rule:
+        case "name":
+            joined = join_subscript(written)
+            return [written, join_subscript(normalize("NFKC", written)), joined]
+        case "quoted":
+            return [re.sub(r"\\(.)", lambda match: _ESCAPES.get(match[1], match[1]), written[1:-1])]
+    inner, _, subscript = written[written.index("{") + 1 :].partition("}")
+    inner, subscript = inner.strip(), subscript.strip(" _{}")
+    if subscript:
+        name = f"{inner}_{subscript}"
+        return [name, join_subscript(name)]
+    return [inner, join_subscript(inner), inner]
+
+
+def _equivalence(left: Formula, right: Formula, span: Span) -> Formula:
+    return And((Implies(left, right, span=span), Implies(right, left, span=span)), span=span)
+
+
+def _exclusive(left: Formula, right: Formula, span: Span) -> Formula:
+    both = Not(And((left, right), span=span), span=span)
+    return And((Or((left, right), span=span), both), span=span)
+
+
+def _is_token(part: Tree | Token, kind: str) -> bool:
+    return isinstance(part, Token) and part.type == kind
 
 
 def _unit(bound: Tree) -> str | None:
-    return str(bound.children[1]) if len(bound.children) > 1 else None
+    r"""`s` or `ms`, also of `\mathrm{s}`."""
+    if len(bound.children) < 2:
+        return None
+    return str(bound.children[1]).rpartition("{")[2].strip(" }")
 
 
 def _bound_text(bound: Tree) -> str:
-    return " ".join(str(token) for token in bound.children if isinstance(token, Token))
+    unit = _unit(bound)
+    return f"{bound.children[0]} {unit}" if unit else str(bound.children[0])
 
 
 def _closest_first(name: str, known: list[str]) -> list[str]:

@@ -5,7 +5,9 @@ import re
 from lark import Token
 from lark.parsers.lalr_interactive_parser import InteractiveParser
 
+from core.quoting import quoted, shown
 from core.stl.errors import FormulaError
+from core.stl.foreign import Foreign, foreign
 
 # What the parser would accept -> how a person would call it, in the order of mention.
 _WORDS = {
@@ -21,59 +23,91 @@ _WORDS = {
     "RPAR": "')'",
     "$END": "the end of the formula",
 }
-_OPERATOR_BEFORE = re.compile(r"(?<![^\W_])([FGU])_?\s*\Z")
+_LONGEST_WORD = 30  # characters
+_LONGEST_QUOTE = 60
 _UNBOUNDED = re.compile(r"inf|∞|\\infty|T\b|end", re.IGNORECASE)
 
 
-def complain_about_token(text: str, token: Token, state: InteractiveParser) -> FormulaError:
-    """Word the error for a token that cannot stand where it does."""
+def complain_about_token(
+    text: str, plain: str, token: Token, state: InteractiveParser
+) -> FormulaError:
+    """Word the error for a token that cannot stand where it does.
+
+    Args:
+        text: the formula as typed.
+        plain: the text that was read, of the same length.
+        token: one of `plain`.
+        state: of the parser before the token.
+    """
     accepted = state.accepts()
     at_end = token.type == "$END"
-    offset = len(text.rstrip().rstrip("$").rstrip()) if at_end else int(token.start_pos or 0)
-    problem = "the formula ends too early" if at_end else f"unexpected {_quote(str(token))}"
+    offset = len(plain.rstrip()) if at_end else int(token.start_pos or 0)
+    found = None if at_end else foreign(plain, offset)
+    if found is not None:
+        return _about_foreign(text, found)
+    typed = text[offset : offset + len(token)]
+    problem = (
+        "the formula ends too early" if at_end else f"unexpected {quoted(typed, _LONGEST_WORD)}"
+    )
     opened = _open_parenthesis(state)
     if at_end and "RPAR" in accepted and opened is not None:
-        problem = "a parenthesis is not closed"
+        problem = "a parenthesis is never closed"
     if token.type == "RPAR" and opened is None and "$END" in accepted:
-        return FormulaError("this parenthesis closes none", text, offset)
+        return FormulaError("this ')' has no matching '('", text, offset)
     return FormulaError(
         problem,
         text,
         offset,
         expected=_expected(accepted),
-        hint=_hint(text, token, offset, state, accepted),
+        hint=_hint(plain, token, offset, state, accepted),
     )
 
 
-def complain_about_character(text: str, offset: int, state: InteractiveParser) -> FormulaError:
+def complain_about_character(
+    text: str, plain: str, offset: int, state: InteractiveParser
+) -> FormulaError:
     """Word the error for a character that begins no token."""
     accepted = state.accepts()
-    if text[offset] in "\"'" and "NAME" in accepted:
-        return FormulaError("the quoted name is not closed", text, offset)
+    if plain[offset] in "\"'" and "NAME" in accepted:
+        return FormulaError("the quoted name has no closing quote", text, offset)
+    found = foreign(plain, offset)
+    if found is not None:
+        return _about_foreign(text, found)
     token = Token("UNKNOWN", _word_at(text, offset))
     return FormulaError(
-        f"unexpected {_quote(str(token))}",
+        f"unexpected {quoted(str(token), _LONGEST_WORD)}",
         text,
         offset,
         expected=_expected(accepted),
-        hint=_hint(text, token, offset, state, accepted),
+        hint=_hint(plain, token, offset, state, accepted),
     )
 
 
+def _about_foreign(text: str, found: Foreign) -> FormulaError:
+    typed = text[found.start : found.stop]
+    start = found.start + len(typed) - len(typed.lstrip())
+    typed = typed.strip()
+    line = text.rfind("\n", 0, start) + 1
+    columns = f"columns {start - line + 1}-{start - line + len(typed)}"
+    problem = f"`{shown(typed, _LONGEST_QUOTE)}` ({columns}) {found.problem}"
+    return FormulaError(problem, text, start, hint=found.hint)
+
+
 def _hint(text: str, token: Token, offset: int, state: InteractiveParser, accepted: set) -> str:
-    operator = _OPERATOR_BEFORE.search(text, 0, offset)
     opened = _open_parenthesis(state)
     if "AND" in accepted:
         if token.type == "UNTIL":
-            return "until does not chain; write parentheses around one of the two"
-        if token.type == "NAME" and str(token) == "U":
-            return "U is an operator only before an interval: U_[0:10]"
-        if operator:
-            return f"{operator[1]} is an operator only before an interval: {operator[1]}_[0:10]"
+            return "untils cannot be chained; put one of them in parentheses"
         if token.type == "LSQB":
-            return "an interval stands only behind F, G or U, apart from the name before them"
+            return "an interval can only follow F, G or U; put a space between a name and U"
+        if token.type == "STOP" and "$END" not in accepted:
+            return "operators stand between their operands: A & B"
+    if "STOP" in accepted and "\n" in text[:offset].rstrip(" ")[-1:]:
+        return "join the lines with &"
+    if "STOP" in accepted and text[:offset].rstrip()[-1:] in {";", ".", ","}:
+        return "there is one formula only; join the parts with &"
     if "NUMBER" in accepted and _UNBOUNDED.match(text, offset):
-        return "intervals are bounded"
+        return "leave the interval out to reach the scene's horizon"
     if token.type == "$END" and "RPAR" in accepted and opened is not None:
         return f"it was opened at line {opened.line}, column {opened.column}"
     return ""
@@ -89,11 +123,6 @@ def _open_parenthesis(state: InteractiveParser) -> Token | None:
     # Tokens that no rule has consumed yet: the prefix of the rules under way.
     tokens = [item for item in stack if isinstance(item, Token) and item.type == "LPAR"]
     return tokens[-1] if tokens else None
-
-
-def _quote(word: str) -> str:
-    shown = word if len(word) <= 30 else f"{word[:27]}..."
-    return f"'{shown}'" if shown.isprintable() else ascii(shown)
 
 
 def _word_at(text: str, offset: int) -> str:

@@ -10,12 +10,16 @@ margin of atom A:
     rho(f U_[a:b] g, t)  = max over t' in [t + a, t + b] of
                                min(rho(g, t'), min over t'' in [t, t'] of rho(f, t''))
 
-and f holds iff rho(f, 0) >= 0. An until takes linear time because, in any lattice,
+and f holds iff rho(f, 0) >= 0. An until is split where its window begins,
 
-    f U_[a:b] g = G_[0:a] f  &  F_[a:b] g  &  (f U g, a steps later),
+    f U_[a:b] g = G_[0:a-1] f  &  (f U_[0:b-a] g, a steps later),
 
-where the unbounded until of a finite trace is one scan backwards,
-u(t) = min(f(t), max(g(t), u(t + 1))).
+and windows are taken over blocks (`algebra`), so that every operator takes linear time.
+
+A formula is evaluated from the top down, each operand at the steps that are asked of it and at
+no other (`operand_windows`): a sample that the formula does not read has no influence, not even
+NaN or an infinite number. Where a sample that it does read is NaN, so is the robustness, and the
+formula does not hold.
 
 Dimensions: T steps of a trace, A atoms; leading axes are a batch. NumPy arrays give NumPy
 arrays; JAX arrays give JAX arrays, under `jit` and `grad` too.
@@ -29,6 +33,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.errors import UserError
+from core.quoting import listed
 from core.stl.algebra import Algebra, Array, exact_algebra, smooth_algebra
 from core.stl.normal_form import fold_constants
 from core.stl.syntax import (
@@ -44,11 +49,16 @@ from core.stl.syntax import (
     Or,
     Until,
     atom_names,
+    children,
     horizon,
+    operand_windows,
 )
 
-# From the name of an atom, or from a constant, to its signal [..., T].
-_Leaf = Callable[[Atom | Constant], Array]
+# From an atom or a constant, and a window, to its values at the steps of the window.
+_Leaf = Callable[[Atom | Constant, Interval], Array]
+
+
+_START = Interval(0, 0)
 
 
 class TraceError(UserError):
@@ -67,16 +77,16 @@ def robustness_signal(formula: Formula, margins: Array, names: Sequence[str]) ->
         [..., T - horizon(formula)], of the margins' floating type.
     """
     margins = _checked(formula, margins, names)
+    decided = Interval(0, margins.shape[-2] - horizon(formula) - 1)
     algebra = exact_algebra(margins)
-    signal = _signal(formula, _leaves(margins, names, algebra), algebra)
-    return signal[..., : margins.shape[-2] - horizon(formula)]
+    return _signal(formula, decided, _leaves(margins, names, algebra), algebra)
 
 
 def robustness(formula: Formula, margins: Array, names: Sequence[str]) -> Array:
     """Robustness at step 0: [...] for margins [..., T, A]."""
     margins = _checked(formula, margins, names)
-    decisive = margins[..., : horizon(formula) + 1, :]
-    return robustness_signal(formula, decisive, names)[..., 0]
+    algebra = exact_algebra(margins)
+    return _signal(formula, _START, _leaves(margins, names, algebra), algebra)[..., 0]
 
 
 def satisfied(formula: Formula, margins: Array, names: Sequence[str]) -> Array:
@@ -105,106 +115,97 @@ def smooth_robustness(
     if isinstance(temperature, int | float) and not temperature > 0:
         raise ValueError(f"the temperature must be positive: {temperature}")
     margins = _checked(formula, margins, names)
-    scaled = margins[..., : horizon(formula) + 1, :] / temperature
+    scaled = margins / temperature
     algebra = smooth_algebra(scaled)
     # Infinities have no place in sums of exponentials.
     leaves = _leaves(scaled, names, algebra)
-    return _signal(fold_constants(formula), leaves, algebra)[..., 0] * temperature
+    return _signal(fold_constants(formula), _START, leaves, algebra)[..., 0] * temperature
 
 
-def _checked(formula: Formula, margins: Array, names: Sequence[str]) -> Array:
-    """Margins as floating-point numbers, after checking that they decide the formula."""
-    if not isinstance(margins, jax.Array):
-        margins = np.asarray(margins)
-    if not jnp.issubdtype(margins.dtype, jnp.floating):
-        margins = margins.astype(float)
-    if margins.ndim < 2 or margins.shape[-1] < len(names):
+def check_trace(formula: Formula, margins: Array, names: Sequence[str]) -> None:
+    """Refuse margins [..., T, A] that do not decide a formula.
+
+    Raises:
+        TraceError: margins of a wrong shape, an atom without margins, or too few steps.
+    """
+    check_columns(formula, margins, names)
+    steps, ahead = np.shape(margins)[-2], horizon(formula)
+    if steps <= ahead:
         raise TraceError(
-            f"margins have shape {margins.shape}; expected [..., steps, atoms] with a column for "
-            f"each of the {len(names)} names"
+            f"the trace has {steps} steps; the formula looks {ahead} steps ahead and needs at "
+            f"least {ahead + 1}"
+        )
+
+
+def check_columns(formula: Formula, margins: Array, names: Sequence[str]) -> None:
+    """Refuse margins of a wrong shape, or without a column for an atom of the formula."""
+    shape = np.shape(margins)
+    if len(shape) < 2 or shape[-1] < len(names):
+        raise TraceError(
+            f"the margins have shape {shape}; expected [..., steps, atoms] with a column for each "
+            f"of the {len(names)} names"
         )
     unknown = [name for name in atom_names(formula) if name not in names]
     if unknown:
         raise TraceError(
-            f"the trace has no margins for {', '.join(unknown)}; it has {', '.join(names)}"
+            f"the trace has no margins for {listed(unknown)}; it has {listed(list(names))}"
         )
-    if margins.shape[-2] <= horizon(formula):
-        raise TraceError(
-            f"the trace has {margins.shape[-2]} steps; the formula looks {horizon(formula)} steps "
-            f"ahead and needs at least {horizon(formula) + 1}"
-        )
+
+
+def _checked(formula: Formula, margins: Array, names: Sequence[str]) -> Array:
+    """Margins as floating-point numbers, after checking that they decide the formula."""
+    check_trace(formula, margins, names)
+    if not isinstance(margins, jax.Array):
+        margins = np.asarray(margins)
+    if not jnp.issubdtype(margins.dtype, jnp.floating):
+        margins = margins.astype(float)
     return margins
 
 
 def _leaves(margins: Array, names: Sequence[str], algebra: Algebra) -> _Leaf:
     columns = {name: index for index, name in reversed(list(enumerate(names)))}
 
-    def leaf(node: Atom | Constant) -> Array:
+    def leaf(node: Atom | Constant, window: Interval) -> Array:
+        first, last = window
         if isinstance(node, Atom):
-            return margins[..., columns[node.name]]
+            return margins[..., first : last + 1, columns[node.name]]
         value = np.inf if node.value else -np.inf
-        return algebra.xp.full(margins.shape[:-1], value, margins.dtype)
+        return algebra.xp.full((*margins.shape[:-2], last - first + 1), value, margins.dtype)
 
     return leaf
 
 
-def _signal(formula: Formula, leaf: _Leaf, algebra: Algebra) -> Array:
-    """Values of the formula at the steps that the trace decides, counted from step 0."""
-
-    def below(operand: Formula) -> Array:
-        return _signal(operand, leaf, algebra)
-
+def _signal(formula: Formula, window: Interval, leaf: _Leaf, algebra: Algebra) -> Array:
+    """Values [..., W] of the formula at the W steps of a window."""
+    below = [
+        _signal(operand, inner, leaf, algebra)
+        for operand, inner in zip(children(formula), operand_windows(formula, window), strict=True)
+    ]
     match formula:
         case Constant() | Atom():
-            values = leaf(formula)
-        case Not(operand=operand):
-            values = -below(operand)
-        case And(operands=operands):
-            values = _meet_all([below(operand) for operand in operands], algebra)
-        case Or(operands=operands):
-            values = -_meet_all([-below(operand) for operand in operands], algebra)
-        case Implies(left=left, right=right):
-            values = -_meet_all([below(left), -below(right)], algebra)
-        case Eventually(interval=interval, operand=operand):
-            values = _eventually(interval, below(operand), algebra)
-        case Always(interval=interval, operand=operand):
-            values = _always(interval, below(operand), algebra)
-        case Until(interval=interval, left=left, right=right):
-            values = _until(interval, below(left), below(right), algebra)
-        case _:
-            raise TypeError(f"not a formula: {formula!r}")
-    return values
-
-
-def _meet_all(signals: list[Array], algebra: Algebra) -> Array:
-    return reduce(algebra.meet, _of_common_length(signals))
-
-
-def _eventually(interval: Interval, operand: Array, algebra: Algebra) -> Array:
-    start, stop = interval
-    return algebra.slide(operand[..., start:], stop - start + 1)
-
-
-def _always(interval: Interval, operand: Array, algebra: Algebra) -> Array:
-    return -_eventually(interval, -operand, algebra)
+            return leaf(formula, window)
+        case Not():
+            return -below[0]
+        case And():
+            return reduce(algebra.meet, below)
+        case Or():
+            return reduce(algebra.join, below)
+        case Implies():
+            return algebra.join(-below[0], below[1])
+        case Eventually(interval=(a, b)):
+            return algebra.slide(below[0], b - a + 1)
+        case Always(interval=(a, b)):
+            return -algebra.slide(-below[0], b - a + 1)
+        case Until(interval=interval):
+            return _until(interval, below[0], below[1], algebra)
+    raise TypeError(f"not a formula: {formula!r}")
 
 
 def _until(interval: Interval, left: Array, right: Array, algebra: Algebra) -> Array:
-    left, right = _of_common_length([left, right])
-    held_before = _always(Interval(0, interval.start), left, algebra)
-    reached = _eventually(interval, right, algebra)
-    unbounded = _unbounded_until(left[..., interval.start :], right[..., interval.start :], algebra)
-    return _meet_all([held_before, reached, unbounded], algebra)
-
-
-def _unbounded_until(left: Array, right: Array, algebra: Algebra) -> Array:
-    def step(later: Array, now: Array) -> Array:
-        return algebra.meet(now[0], algebra.join(now[1], later))
-
-    pairs = algebra.xp.moveaxis(algebra.xp.stack([left, right]), -1, 0)  # [L, 2, ...]
-    return algebra.scan_back(step, algebra.meet(left[..., -1], right[..., -1]), pairs[:-1])
-
-
-def _of_common_length(signals: list[Array]) -> list[Array]:
-    length = min(signal.shape[-1] for signal in signals)
-    return [signal[..., :length] for signal in signals]
+    """The left side from the first step of the window on, the right side a steps later."""
+    a, b = interval
+    met = algebra.slide_until(left[..., a:], right, b - a + 1)
+    if a == 0:
+        return met
+    held_before = -algebra.slide(-left[..., : met.shape[-1] + a - 1], a)
+    return algebra.meet(held_before, met)

@@ -6,7 +6,7 @@ which the formula is evaluated.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 
@@ -146,6 +146,20 @@ def children(formula: Formula) -> tuple[Formula, ...]:
     raise TypeError(f"not a formula: {formula!r}")
 
 
+def with_children(formula: Formula, parts: tuple[Formula, ...]) -> Formula:
+    """The same operator over other operands."""
+    match formula:
+        case Constant() | Atom():
+            return formula
+        case Not() | Eventually() | Always():
+            return replace(formula, operand=parts[0])
+        case And() | Or():
+            return replace(formula, operands=parts)
+        case Implies() | Until():
+            return replace(formula, left=parts[0], right=parts[1])
+    raise TypeError(f"not a formula: {formula!r}")
+
+
 def walk(formula: Formula) -> Iterator[Formula]:
     """Every node of the tree, parents first."""
     yield formula
@@ -161,6 +175,17 @@ def atom_names(formula: Formula) -> tuple[str, ...]:
 def is_state_formula(formula: Formula) -> bool:
     """Whether the formula has no temporal operator, so that one instant decides it."""
     return not any(isinstance(node, Eventually | Always | Until) for node in walk(formula))
+
+
+def operand_windows(formula: Formula, window: Interval) -> tuple[Interval, ...]:
+    """Steps at which each operand is evaluated when the formula is, throughout a window."""
+    first, last = window
+    match formula:
+        case Eventually(interval=(a, b)) | Always(interval=(a, b)):
+            return (Interval(first + a, last + b),)
+        case Until(interval=(a, b)):
+            return (Interval(first, last + b), Interval(first + a, last + b))
+    return (window,) * len(children(formula))
 
 
 def horizon(formula: Formula) -> int:
