@@ -1,25 +1,27 @@
 """Success rates by the paper's protocol (Sec. 5.1): one schedule, one rollout, exact verdicts."""
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import jax
 import numpy as np
 
-from core.networks import Parameters
-from core.programs import EvaluationPrograms
-from core.protocols import Array
-from core.stl import robustness
-from core.task import Task
+from core.controller import Controller
+from core.rollout import roll_out_choice
+from core.stl import robustness, samples_read
+from core.task.protocols import Array
+from core.task.task import Task
+
+EVALUATION_STATES = 512
+"""Initial states of an evaluation (Sec. 5.1)."""
 
 
 class Evaluation(NamedTuple):
     """Verdicts of R rollouts from random initial states."""
 
     robustness: np.ndarray  # [R] of the formula on the simulated traces [m]
-    schedules: np.ndarray  # [R, V] that the critic chose
-    values: np.ndarray  # [R] the critic's values of them
+    schedules: np.ndarray  # [R, V] that the controller chose
+    scores: np.ndarray  # [R] the controller's scores of them
 
     @property
     def success_rate(self) -> float:
@@ -34,41 +36,41 @@ class Evaluation(NamedTuple):
 
     @property
     def diverged(self) -> int:
-        """Simulations that broke down; they have failed."""
+        """Simulations that broke down before the verdict; they have failed."""
         return int((self.robustness == -np.inf).sum())
 
 
 def trace_robustness(task: Task, margins: np.ndarray) -> np.ndarray:
     """Robustness [R] of the task's formula on margins [L + 1, R, A] of simulated traces.
 
-    A trace with a number that is not finite has failed: its robustness is -inf.
+    A trace has failed where a number that the formula reads is not finite: its robustness is
+    -inf.
     """
     names = task.grounding.atoms
     traces = np.moveaxis(np.asarray(margins)[: task.horizon + 1, :, : len(names)], 0, 1)
     value = np.asarray(robustness(task.formula, traces, names))
-    return np.where(np.isfinite(traces).all((1, 2)), value, -np.inf)
+    sound = np.isfinite(traces) | ~samples_read(task.formula, traces.shape[1], names)
+    return np.where(sound.all((1, 2)), value, -np.inf)
 
 
 def evaluate(
-    task: Task, programs: EvaluationPrograms, parameters: Parameters, key: Array
+    task: Task, controller: Controller, key: Array, *, count: int = EVALUATION_STATES
 ) -> Evaluation:
-    """Roll out the critic's choice once from each of R random initial states."""
-    initial_key, choice_key = jax.random.split(key)
-    states = programs.initial(task.problem, initial_key)
-    schedules, values = programs.choose(task.problem, parameters, choice_key, states)
-    rollout = programs.roll_out(task.problem, parameters, states, schedules)
-    score = trace_robustness(task, np.asarray(rollout.margins))
-    return Evaluation(score, np.asarray(schedules), np.asarray(values))
+    """Roll out the controller's choice once from each of R random initial states."""
+    schedules, scores, rollout = roll_out_choice(task, controller, key, count=count)
+    verdicts = trace_robustness(task, np.asarray(rollout.margins))
+    return Evaluation(verdicts, np.asarray(schedules), np.asarray(scores))
 
 
 def evaluate_layouts(
-    task: Task, programs: EvaluationPrograms, parameters: Parameters, key: Array
+    task: Task, controller: Controller, key: Array, *, count: int = EVALUATION_STATES
 ) -> Evaluation:
-    """`evaluate` on the task's own layout and on those that it holds out, all together."""
+    """`evaluate` on the task's own layout and its held-out layouts together."""
     if task.layouts is None:
-        return evaluate(task, programs, parameters, key)
-    parts = []
-    for problem in (task.problem, *task.layouts.held_out):
-        key, part_key = jax.random.split(key)
-        parts.append(evaluate(replace(task, problem=problem), programs, parameters, part_key))
+        return evaluate(task, controller, key, count=count)
+    tasks = (task, *task.layouts.held_out)
+    parts = [
+        evaluate(one, controller, part_key, count=count)
+        for one, part_key in zip(tasks, jax.random.split(key, len(tasks)), strict=True)
+    ]
     return Evaluation(*map(np.concatenate, zip(*parts, strict=True)))

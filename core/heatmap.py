@@ -1,4 +1,4 @@
-"""The critic over two time variables: the heatmap of the paper's Fig. 6.
+"""A controller's scores over two time variables: the heatmap of the paper's Fig. 6.
 
 Programs score a fixed number of schedules; larger maps are scored in several calls.
 
@@ -12,29 +12,28 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.algorithm import Algorithm
-from core.grounding import MAX_VARIABLES
-from core.networks import Parameters
-from core.programs import scoring_program
-from core.protocols import Array
-from core.task import Task
-from core.windows import ShortLeg
+from core.compilation import program
+from core.controller import Controller
+from core.task.problem import Problem
+from core.task.protocols import Array
+from core.task.task import Task
+from core.task.windows import RESERVE, TightLeg, leg_slack, tightest_leg, windows_of
 
 RESOLUTION = 100
-"""Most cells along an axis; wider domains are sampled evenly, ends included."""
+"""Maximum number of cells along an axis; larger domains are sampled evenly, ends included."""
 
 COARSE = 48
-"""The same for a map of the best over the rest, which scores many schedules a cell."""
+"""The same for a heatmap of the best over the rest, which scores many schedules per cell."""
 
 ALTERNATIVES = 16
-"""Values of the rest that such a map tries."""
+"""Values of the rest that such a heatmap tries."""
 
 BATCH = 4096
 """Schedules that the compiled program scores at a time."""
 
 
 class Heatmap(NamedTuple):
-    """V(s_0, t) over two variables, the others fixed or the best of several.
+    """Scores of schedules over two variables, the others fixed or the best of several.
 
     Row i belongs to `second[i]`, column j to `first[j]`; with one variable there is one row.
     """
@@ -42,11 +41,11 @@ class Heatmap(NamedTuple):
     axes: tuple[int, ...]  # variables on the axes: (), (x,) or (x, y)
     first: np.ndarray  # [w] values of the variable on the x axis [steps]
     second: np.ndarray  # [h] values of the variable on the y axis
-    values: np.ndarray  # [h, w] critic, in units of the reward
+    values: np.ndarray  # [h, w] the controller's scores
     shortfall: np.ndarray  # [h, w] steps by which the schedule's legs are too short
     schedule: np.ndarray  # [V] the schedule whose other entries are held fixed
     schedules: np.ndarray | None = None  # [h, w, V] where they are not
-    legs: ShortLeg | None = None  # [h, w] each: the leg that lacks most time
+    legs: TightLeg | None = None  # [h, w] each: the leg with the least to spare
 
     def schedule_at(self, row: int, column: int) -> np.ndarray:
         """Schedule [V] of a cell."""
@@ -59,28 +58,26 @@ class Heatmap(NamedTuple):
 
 
 class Scores(NamedTuple):
-    """What the critic and the geometry say about N schedules."""
+    """What the controller and the geometry say about N schedules."""
 
     values: np.ndarray  # [N]
     shortfall: np.ndarray  # [N] [steps]
-    legs: ShortLeg  # [N] each
+    legs: TightLeg  # [N] each
 
 
 def heatmap(
     task: Task,
-    algorithm: Algorithm,
-    parameters: Parameters,
+    controller: Controller,
     state: Array,
     schedule: np.ndarray,
     axes: tuple[int, ...],
     rest: np.ndarray | None = None,
 ) -> Heatmap:
-    """Evaluate the critic on a grid of schedules.
+    """Score a grid of schedules.
 
     Args:
         task: the grounded task.
-        algorithm: what the parameters were trained with.
-        parameters: weights of both networks.
+        controller: what scores the schedules.
         state: initial state [n].
         schedule: values [V] of the variables that are not on the axes.
         axes: zero, one or two variables.
@@ -97,9 +94,9 @@ def heatmap(
         grid[:, :, :, axes[0]] = first[None, :, None]
     if len(axes) > 1:
         grid[:, :, :, axes[1]] = second[:, None, None]
-    scores = score(task, algorithm, parameters, state, grid.reshape(-1, grid.shape[-1]))
-    liking = algorithm.preference(scores.values, scores.shortfall).reshape(grid.shape[:3])
-    best = np.nan_to_num(liking, nan=-np.inf).argmax(-1)[..., None]
+    scores = score(task, controller, state, grid.reshape(-1, grid.shape[-1]))
+    values = scores.values.reshape(grid.shape[:3])
+    best = np.nan_to_num(values, nan=-np.inf).argmax(-1)[..., None]
 
     def chosen(flat: np.ndarray) -> np.ndarray:
         return np.take_along_axis(flat.reshape(grid.shape[:3]), best, -1)[..., 0]
@@ -116,37 +113,49 @@ def heatmap(
     )
 
 
-def score(
-    task: Task, algorithm: Algorithm, parameters: Parameters, state: Array, schedules: np.ndarray
-) -> Scores:
-    """V(s_0, t), shortfall and shortest leg of schedules [N, V] from a state [n]."""
-    program = scoring_program(task, algorithm, BATCH)
+def score(task: Task, controller: Controller, state: Array, schedules: np.ndarray) -> Scores:
+    """Score, shortfall and tightest leg of schedules [N, V] from a state [n]."""
     parts = []
     for start in range(0, len(schedules), BATCH):
-        batch = np.zeros((BATCH, MAX_VARIABLES), np.int32)
+        batch = np.zeros((BATCH, *task.problem.formula.low.shape), np.int32)
         piece = schedules[start : start + BATCH]
         batch[: len(piece)] = piece
-        parts.append(program(task.problem, parameters, state, jnp.asarray(batch)))
+        parts.append(_score(task.problem, controller, state, jnp.asarray(batch)))
     joined = jax.tree.map(lambda *leaves: np.concatenate(leaves)[: len(schedules)], *parts)
     return Scores(*joined)
 
 
+@program
+def _score(
+    problem: Problem, controller: Controller, state: Array, schedules: Array
+) -> tuple[Array, Array, TightLeg]:
+    search = controller.search
+    reserve = RESERVE if search is None else search.reserve
+    position = problem.robot.position(state)
+
+    def one(schedule: Array):
+        windows = windows_of(problem, schedule)
+        _, short = leg_slack(problem, windows, position, reserve)
+        leg = tightest_leg(problem, windows, position, reserve)
+        return controller.score(problem, state, schedule), short, leg
+
+    return jax.vmap(one)(schedules)
+
+
 def best_schedule(
     task: Task,
-    algorithm: Algorithm,
-    parameters: Parameters,
+    controller: Controller,
     state: Array,
     fixed: Mapping[int, int],
 ) -> np.ndarray:
-    """The schedule [V] that the critic likes best of many drawn with some entries fixed."""
+    """The schedule [V] that scores highest of many drawn with some entries fixed."""
     drawn = random_schedules(task, BATCH, fixed)
-    scores = score(task, algorithm, parameters, state, drawn)
-    liking = algorithm.preference(scores.values, scores.shortfall)
-    return drawn[np.nan_to_num(liking, nan=-np.inf).argmax()]
+    scores = score(task, controller, state, drawn)
+    return drawn[np.nan_to_num(scores.values, nan=-np.inf).argmax()]
 
 
 def random_schedules(task: Task, count: int, fixed: Mapping[int, int]) -> np.ndarray:
-    """Schedules [N, V], uniform but for the fixed entries; the same ones at every call."""
+    """Schedules [N, V], uniform except for the fixed entries; the same at every call."""
     formula = task.problem.formula
     low, high = np.asarray(formula.low), np.asarray(formula.high)
     drawn = np.random.default_rng(0).integers(low, high + 1, (count, low.size))

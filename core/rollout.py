@@ -1,231 +1,216 @@
-"""Deterministic rollouts for verdicts, the critic's choice of a schedule, and their pieces.
+"""Rollouts of controllers, and their choice of schedules.
 
-Pure functions over a static `Setting`; `core.programs` compiles them.
-
-Dimensions: N schedules, R rollouts, L steps, K candidates, V variables, f and g features of
-policy and critic, n state, m action, d position, A atoms.
+Dimensions: R rollouts, L steps, K candidates, V variables, n state, m action, A atoms.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
-from core.algorithm import Algorithm
-from core.episode import Episode
-from core.networks import Networks, Parameters, make_networks
-from core.problem import Problem, atom_margins
-from core.protocols import Array, Robot, World
-from core.sampler import travelable_schedules, uniform_schedules
-from core.windows import Windows, leg_slack, windows_of
-
-
-class Setting(NamedTuple):
-    """Everything that is fixed when a program is compiled."""
-
-    robot: Robot
-    world: World
-    algorithm: Algorithm
-    steps: int
-
-    @property
-    def networks(self) -> Networks:
-        """Actor and critic of the algorithm."""
-        return make_networks(self.algorithm.hidden, self.robot.action_size)
-
-
-class Grounded(NamedTuple):
-    """A schedule's windows and the reserve of its legs from one initial position."""
-
-    windows: Windows
-    slack: Array  # [G]
-    shortfall: Array  # []
-
-
-class View(NamedTuple):
-    """An episode with what it perceives."""
-
-    episode: Episode
-    sense: Any
-    policy: Array  # [f]
-    critic: Array  # [g]
-
-
-def ground_schedule(setting: Setting, problem: Problem, position: Array, schedule) -> Grounded:
-    """Windows and reserve of one schedule [V] from a position [d]."""
-    windows = windows_of(problem, schedule)
-    slack, shortfall = leg_slack(
-        setting.robot, setting.world, problem, windows, position, setting.algorithm.reserve
-    )
-    return Grounded(windows, slack, shortfall)
-
-
-def begin(setting: Setting, problem: Problem, grounded: Grounded, state: Array, tau) -> View:
-    """Episode of one schedule from a state [n] at step tau."""
-    mode = setting.algorithm.mode
-    episode, sense = mode.begin(setting.robot, setting.world, problem, grounded.windows, state, tau)
-    return _view(setting, problem, grounded, episode, sense)
-
-
-def advance(
-    setting: Setting, problem: Problem, grounded: Grounded, view: View, action: Array
-) -> tuple[View, Array, Array]:
-    """One step of one episode: the next view, the reward and whether the episode ends."""
-    episode, sense, reward, ends = setting.algorithm.mode.advance(
-        setting.robot,
-        setting.world,
-        problem,
-        grounded.windows,
-        view.episode,
-        view.sense,
-        action,
-    )
-    return _view(setting, problem, grounded, episode, sense), reward, ends
-
-
-def _view(setting: Setting, problem: Problem, grounded: Grounded, episode, sense) -> View:
-    mode, windows = setting.algorithm.mode, grounded.windows
-    policy = mode.policy_features(setting.robot, problem, windows, episode, sense)
-    critic = mode.critic_features(
-        problem, windows, grounded.slack, grounded.shortfall, episode, sense, policy
-    )
-    return View(episode, sense, policy, critic)
-
-
-def score_schedules(
-    setting: Setting, problem: Problem, parameters: Parameters, states: Array, schedules: Array
-) -> tuple[Array, Array]:
-    """V(s_0, t) [N] in units of the unscaled reward, and the shortfall [N] of each schedule.
-
-    Args:
-        setting: what is compiled for.
-        problem: the grounded task.
-        parameters: weights of both networks.
-        states: initial states [N, n].
-        schedules: schedules [N, V].
-    """
-
-    def features(state, schedule):
-        position = setting.robot.position(state)
-        grounded = ground_schedule(setting, problem, position, schedule)
-        view = begin(setting, problem, grounded, state, jnp.float32(0))
-        return view.critic, grounded.shortfall
-
-    critic, shortfall = jax.vmap(features)(states, schedules)
-    scale = setting.algorithm.mode.scale
-    return setting.networks.value(parameters, critic) / scale, shortfall
-
-
-def initial_states(setting: Setting, problem: Problem, key: Array, count: int) -> Array:
-    """States [N, n] at rest in the initial set."""
-
-    def one(state_key):
-        position_key, rest_key = jax.random.split(state_key)
-        position = setting.world.sample_initial(problem.world, position_key)
-        return setting.robot.rest(rest_key, position)
-
-    return jax.vmap(one)(jax.random.split(key, count))
-
-
-def feasible_schedules(setting: Setting, problem: Problem, key: Array, states: Array) -> Array:
-    """One schedule [N, V] for each state, uniform over those that leave time to travel."""
-    algorithm, count = setting.algorithm, states.shape[0]
-    if not algorithm.prune:
-        return uniform_schedules(problem.formula, key, count)
-    positions = jax.vmap(setting.robot.position)(states)
-    repeated = jnp.repeat(positions, algorithm.prune_candidates, axis=0)
-
-    def shortfall(schedules):
-        ground = jax.vmap(ground_schedule, (None, None, 0, 0))
-        return ground(setting, problem, repeated, schedules).shortfall
-
-    return travelable_schedules(problem.formula, shortfall, key, count, algorithm.prune_candidates)
+from core.compilation import key_shape, program, shape_of
+from core.controller import Controller
+from core.task.physics import physics_of
+from core.task.problem import Problem, initial_states, trace_margins
+from core.task.protocols import Array
+from core.task.schedules import feasible_schedules
+from core.task.task import Task
 
 
 class Rollout(NamedTuple):
     """Deterministic rollouts."""
 
     states: Array  # [L + 1, R, n]
-    actions: Array  # [L, R, m] as the policy gave them, before clipping
+    actions: Array  # [L, R, m] in [-1, 1]
     margins: Array  # [L + 1, R, A] margins of the atoms [m]
 
 
-class Course(NamedTuple):
-    """R rollouts under way: where they stand and what the policy wants next."""
-
-    grounded: Grounded  # [R]
-    view: View  # [R]
-    action: Array  # [R, m] mean action, before clipping
+start_states = program(initial_states)
+"""`start_states(problem, key, count=R)`: compiled `initial_states`."""
 
 
-def depart(
-    setting: Setting, problem: Problem, parameters: Parameters, states: Array, schedules: Array
-) -> Course:
-    """Rollouts of schedules [R, V] at their initial states [R, n]."""
-    positions = jax.vmap(setting.robot.position)(states)
-    grounded = jax.vmap(ground_schedule, (None, None, 0, 0))(setting, problem, positions, schedules)
-    view = jax.vmap(begin, (None, None, 0, 0, None))(
-        setting, problem, grounded, states, jnp.float32(0)
-    )
-    return Course(grounded, view, setting.networks.action(parameters, view.policy))
-
-
-def proceed(
-    setting: Setting, problem: Problem, parameters: Parameters, course: Course, command: Array
-) -> Course:
-    """One step of all rollouts; the command is what `step` takes: actions [R, m], as a rule."""
-    view, _, _ = jax.vmap(advance, (None, None, 0, 0, 0))(
-        setting, problem, course.grounded, course.view, command
-    )
-    action = setting.networks.action(parameters, view.policy)
-    return course._replace(view=view, action=action)
-
-
-def trace_margins(setting: Setting, problem: Problem, states: Array) -> Array:
-    """Margins of the atoms [L, R, A] in states [L, R, n], in [m]."""
-    flat = states.reshape(-1, states.shape[-1])
-    margins, _ = jax.vmap(partial(atom_margins, setting.robot, setting.world, problem))(flat)
-    return margins.reshape(*states.shape[:2], -1)
-
-
-def roll_out(
-    setting: Setting, problem: Problem, parameters: Parameters, states: Array, schedules: Array
-) -> Rollout:
-    """Carry out schedules [R, V] from states [R, n] with the mean action."""
-
-    def step(course, _):
-        after = proceed(setting, problem, parameters, course, course.action)
-        return after, (after.view.episode.state, course.action)
-
-    start = depart(setting, problem, parameters, states, schedules)
-    _, (visited, actions) = jax.lax.scan(step, start, None, length=setting.steps)
-    visited = jnp.concatenate([states[None], visited])
-    return Rollout(visited, actions, trace_margins(setting, problem, visited))
-
-
+@program
 def choose_schedules(
-    setting: Setting, problem: Problem, parameters: Parameters, key: Array, states: Array
+    problem: Problem, controller: Controller, key: Array, states: Array
 ) -> tuple[Array, Array]:
-    """The critic's choice for each state [R, n]: schedules [R, V] and their values [R].
+    """The controller's choice for each state [R, n]: schedules [R, V] and their scores [R].
 
-    Of K candidates drawn for each state, the one of highest V(s_0, t).
+    Of K candidates for each state, the one that scores highest. Zeros for a controller that
+    knows no schedules.
     """
-    count, candidates = states.shape[0], setting.algorithm.choice_candidates
+    count, search = states.shape[0], controller.search
+    if search is None:
+        return jnp.zeros((count, *problem.formula.low.shape), jnp.int32), jnp.zeros(count)
     draw_key, deal_key = jax.random.split(key)
-    drawn = feasible_schedules(
-        setting, problem, draw_key, jnp.repeat(states, max(1, candidates // 8), axis=0)
+    pool = jnp.repeat(states, max(1, search.candidates // 8), axis=0)
+    drawn = feasible_schedules(problem, search, draw_key, pool)
+    dealt = drawn[jax.random.randint(deal_key, (count, search.candidates), 0, drawn.shape[0])]
+    over_candidates = jax.vmap(partial(controller.score, problem), (None, 0))
+    score = jax.vmap(over_candidates)(states, dealt)
+    best, row = score.argmax(1), jnp.arange(count)
+    return dealt[row, best], score[row, best]
+
+
+def roll_out(task: Task, controller: Controller, states: Array, schedules: Array) -> Rollout:
+    """Carry out schedules [R, V] from states [R, n], in the robot's true physics."""
+    physics, problem = physics_of(task.robot), task.problem
+    if physics is None:
+        return _roll_out(problem, controller, states, schedules, steps=task.padded_horizon)
+    return _simulated(
+        task, controller, states, schedules, lambda _, state, action: physics.step(state, action)
     )
-    dealt = drawn[jax.random.randint(deal_key, (count, candidates), 0, drawn.shape[0])]
-    value, shortfall = score_schedules(
-        setting,
-        problem,
-        parameters,
-        jnp.repeat(states, candidates, axis=0),
-        dealt.reshape(count * candidates, -1),
+
+
+def roll_out_choice(
+    task: Task, controller: Controller, key: Array, *, count: int
+) -> tuple[Array, Array, Rollout]:
+    """Roll out the controller's choice once from each of R = count random initial states.
+
+    Returns the schedules [R, V], their scores [R] and the rollouts.
+    """
+    initial_key, choice_key = jax.random.split(key)
+    states = start_states(task.problem, initial_key, count=count)
+    schedules, scores = choose_schedules(task.problem, controller, choice_key, states)
+    return schedules, scores, roll_out(task, controller, states, schedules)
+
+
+def roll_on(
+    task: Task, controller: Controller, past: np.ndarray, known: np.ndarray, schedules: np.ndarray
+) -> Rollout:
+    """Carry on from the middle of episodes.
+
+    The controller is led along the past, whatever has moved the robot there: its memory at the
+    last known step is that of schedule and trace. From then on it acts.
+
+    Args:
+        task: the grounded task.
+        controller: carries out the schedules.
+        past: states [L + 1, R, n], of which steps 0 to `known` count.
+        known: last known step of each rollout [R].
+        schedules: [R, V].
+    """
+    physics, problem = physics_of(task.robot), task.problem
+    given, chosen = jnp.asarray(past, jnp.float32), jnp.asarray(schedules)
+    if physics is None:
+        return _roll_on(problem, controller, given, jnp.asarray(known, jnp.int32), chosen)
+
+    def after(step: int, state: np.ndarray, action: np.ndarray) -> np.ndarray:
+        free = known <= step
+        if not free.any():
+            return past[step + 1]
+        return np.where(free[:, None], physics.step(state, action), past[step + 1])
+
+    return _simulated(task, controller, given[0], chosen, after)
+
+
+def _simulated(
+    task: Task,
+    controller: Controller,
+    states: Array,
+    schedules: Array,
+    after: Callable[[int, np.ndarray, np.ndarray], Any],
+) -> Rollout:
+    """Rollouts in true physics; `after` gives the states [R, n] that follow a step."""
+    memory = _start(task.problem, controller, states, schedules)
+    visited, actions = [np.asarray(states)], []
+    for step in range(task.padded_horizon):
+        memory, action = _step(task.problem, controller, memory, visited[-1])
+        actions.append(np.asarray(action))
+        visited.append(np.asarray(after(step, visited[-1], actions[-1]), np.float32))
+    trace = jnp.asarray(np.stack(visited))
+    return Rollout(trace, jnp.asarray(np.stack(actions)), _margins(task.problem, trace))
+
+
+def roll_on_jobs(task: Task, controller: Controller, count: int) -> list[Callable[[], Any]]:
+    """Compilations that R rollouts from the middle need, beyond those of rollouts."""
+    if physics_of(task.robot) is not None:
+        return []
+    past = shape_of(task.padded_horizon + 1, count, task.robot.state_size, dtype=jnp.float32)
+    schedules = shape_of(count, *task.problem.formula.low.shape, dtype=jnp.int32)
+    known = shape_of(count, dtype=jnp.int32)
+    return [partial(_roll_on.compile, task.problem, controller, past, known, schedules)]
+
+
+def rollout_jobs(task: Task, controller: Controller, count: int) -> list[Callable[[], Any]]:
+    """Compilations that R rollouts of chosen schedules need."""
+    problem, steps, size = task.problem, task.padded_horizon, task.robot.state_size
+    states: Any = shape_of(count, size, dtype=jnp.float32)
+    schedules = shape_of(count, *problem.formula.low.shape, dtype=jnp.int32)
+    jobs: list[Callable[[], Any]] = [
+        partial(start_states.compile, problem, key_shape(), count=count),
+        partial(choose_schedules.compile, problem, controller, key_shape(), states),
+    ]
+    physics = physics_of(task.robot)
+    if physics is None:
+        rolled = partial(_roll_out.compile, problem, controller, states, schedules, steps=steps)
+        return [*jobs, rolled]
+    memory = _start.shapes(problem, controller, states, schedules)
+    return [
+        *jobs,
+        partial(physics.warm_up, count),
+        partial(_start.compile, problem, controller, states, schedules),
+        partial(_step.compile, problem, controller, memory, states),
+        partial(_margins.compile, problem, shape_of(steps + 1, count, size, dtype=jnp.float32)),
+    ]
+
+
+@program
+def _start(problem: Problem, controller: Controller, states: Array, schedules: Array) -> Any:
+    return jax.vmap(partial(controller.start, problem))(states, schedules)
+
+
+@program
+def _step(problem: Problem, controller: Controller, memory: Any, states: Any) -> tuple[Any, Array]:
+    return jax.vmap(partial(controller.step, problem))(memory, states)
+
+
+_margins = program(trace_margins)
+
+
+@program
+def _roll_out(
+    problem: Problem, controller: Controller, states: Array, schedules: Array, *, steps: int
+) -> Rollout:
+    """Rollouts by the robot's own `step`."""
+    return _rolled(
+        problem, controller, states, schedules, jnp.arange(steps), lambda after, _: after
     )
-    value = setting.algorithm.preference(value, shortfall)
-    value = value.reshape(count, candidates)
-    best = value.argmax(1)
-    row = jnp.arange(count)
-    return dealt[row, best], value[row, best]
+
+
+@program
+def _roll_on(
+    problem: Problem, controller: Controller, past: Array, known: Array, schedules: Array
+) -> Rollout:
+    """Rollouts by the robot's own `step` after steps [R] of the past [L + 1, R, n]."""
+
+    def settle(after: Array, given: tuple[Array, Array]) -> Array:
+        number, seen = given
+        return jnp.where((number <= known)[:, None], seen, after)
+
+    numbered = jnp.arange(1, past.shape[0]), past[1:]
+    return _rolled(problem, controller, past[0], schedules, numbered, settle)
+
+
+def _rolled(
+    problem: Problem,
+    controller: Controller,
+    states: Array,
+    schedules: Array,
+    given: Any,
+    settle: Callable[[Array, Any], Array],
+) -> Rollout:
+    """Rollouts; `settle` has the last word on the states [R, n] after each of the L `given`."""
+
+    def step(carry: tuple[Any, Array], now: Any):
+        memory, state = carry
+        memory, action = jax.vmap(partial(controller.step, problem))(memory, state)
+        after = settle(jax.vmap(problem.robot.step)(state, action), now)
+        return (memory, after), (after, action)
+
+    memory = jax.vmap(partial(controller.start, problem))(states, schedules)
+    _, (visited, actions) = jax.lax.scan(step, (memory, states), given)
+    visited = jnp.concatenate([states[None], visited])
+    return Rollout(visited, actions, trace_margins(problem, visited))

@@ -1,0 +1,1 @@
+"""The grounded MDP (Sec. 4.2) and its modes."""

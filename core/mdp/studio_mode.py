@@ -1,0 +1,278 @@
+"""The `studio` mode of the grounded MDP: what makes learning take seconds (docs/method.md).
+
+An episode ends at the first violated task, so until then the progress p is a function of time
+alone: the number of subgoals whose windows have closed. The robot travels to the next
+subgoal that opens, or stays in the one that is open. Windows may overlap; an open stay then acts
+as a constraint on the way to the next subgoal.
+
+A simulation that diverges ends its episode like a violation.
+
+Reward: shape * (distance before - distance after) along the geodesic field of the current leg
+(potential shaping; lengths in units of the robot's), lambda_2 per subgoal, lambda_3 for the last
+one, lambda_4 for a violation.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, ClassVar, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from msgspec import Meta
+
+from core.documents import Positive, Share, Weight
+from core.mdp.episode import (
+    Checks,
+    Episode,
+    check,
+    is_sound,
+    worst_open,
+    worst_open_constraint,
+)
+from core.mdp.grounded import GroundedMdp
+from core.task.problem import closed_doors, extended_margins
+from core.task.protocols import Array
+from core.task.sizes import STANDARD
+from core.task.windows import Windows, field_index
+
+VARIABLES_SEEN, LEGS_SEEN = STANDARD.variables, STANDARD.subgoals
+"""What the critic sees of schedules and legs, whatever the sizes of the formula's arrays."""
+
+
+class Sense(NamedTuple):
+    """What the robot perceives in one augmented state."""
+
+    checks: Checks
+    distance: Array  # [] geodesic distance to the current subgoal [m]
+    direction: Array  # [d] unit direction of travel
+    ahead: Array  # [K, d] unit directions of travel further along the way
+    rank: Array  # [] the current subgoal, in order of start
+    doors: Array  # [] combination of closed doors
+    live: Array  # [] whether a subgoal is left
+    holding: Array  # [] whether the current subgoal is an open stay
+
+
+@dataclass(frozen=True)
+class StudioMode:
+    """Weights of the reward; `scale` multiplies all of it."""
+
+    name: ClassVar[str] = "studio"
+    pays_robustness: ClassVar[bool] = False
+
+    shape: Weight = 2.0
+    progress: Weight = 20.0
+    success: Weight = 20.0
+    violation: Weight = -3.0
+    scale: Positive = 0.05
+    exploring: Share = 0.5
+    """Share of exploring starts among the episodes that follow a finished one."""
+    gradual_stays: bool = False
+    """Whether a stay's lambda_2 is paid step by step, with exploring starts within stays too.
+
+    For robots that cannot stop at once: they learn the end of a stay first, then the rest.
+    """
+    dangers: Annotated[int, Meta(ge=1, le=4)] = 1
+    """How many of the tasks closest to being violated are perceived; 1 in version 1."""
+    ahead: Annotated[tuple[Positive, ...], Meta(max_length=4)] = ()
+    """Distances in robot lengths at which the way's further direction is perceived."""
+
+    def begin(self, mdp: GroundedMdp, state: Array, tau) -> tuple[Episode, Sense]:
+        """Episode that starts in `state` [n] at step `tau`, as if all before had gone well."""
+        sense = self._sense(mdp, state, tau)
+        worst = worst_open(sense.checks)
+        progress = (mdp.windows.end <= tau).sum()
+        episode = Episode(
+            state,
+            tau,
+            progress,
+            progress,
+            sense.holding.astype(jnp.int32),
+            jnp.ones_like(mdp.windows.constraint_start),
+            (worst >= 0).astype(jnp.float32),
+            worst,
+        )
+        return episode, sense
+
+    def observe(self, mdp: GroundedMdp, episode: Episode, state: Array) -> tuple[Episode, Sense]:
+        """The episode one step on, where the robot was found in `state`."""
+        windows, tau = mdp.windows, episode.tau + 1
+        sense = self._sense(mdp, state, tau)
+        worst = jnp.where(is_sound(state), worst_open(sense.checks), -jnp.inf)
+        alive = (worst >= 0).astype(jnp.float32) * episode.alive
+        progress = jnp.where(alive > 0, (windows.end <= tau).sum(), episode.progress)
+        violated = sense.checks.constraint_open & (sense.checks.constraint < 0)
+        following = Episode(
+            state,
+            tau,
+            episode.progress,
+            progress,
+            sense.holding.astype(jnp.int32),
+            episode.satisfied * ~violated,
+            alive,
+            jnp.minimum(episode.robustness, worst),
+        )
+        return following, sense
+
+    def reward(
+        self, mdp: GroundedMdp, before: tuple[Episode, Sense], after: tuple[Episode, Sense]
+    ) -> tuple[Array, Array]:
+        """Reward of a step, and whether it ends the episode."""
+        (_, sensed), (episode, sense) = before, after
+        windows, robot, tau = mdp.windows, mdp.problem.robot, episode.tau
+        alive, gained = episode.alive, episode.progress - episode.previous_progress
+        same = (sense.rank == sensed.rank) & (sense.doors == sensed.doors)
+        travelled = sensed.distance - jnp.where(same, sense.distance, 0.0)
+        limit = 1.5 * robot.speed
+        travelled = jnp.clip(jnp.where(same | (alive > 0), travelled, 0.0), -limit, limit)
+        reward = (
+            self.shape / robot.length * travelled * sensed.live
+            + self.progress * self._earned(windows, tau, alive, gained)
+            + self.success * ((episode.progress == windows.count) & (gained > 0))
+            + self.violation * (worst_open_constraint(sense.checks) < 0)
+        )
+        reward = jnp.where(is_sound(episode.state), reward, self.violation)
+        return self.scale * reward, (alive == 0) | (tau >= windows.last)
+
+    def _earned(self, windows: Windows, tau: Array, alive: Array, gained: Array) -> Array:
+        """Subgoals achieved by this step: whole ones, or shares of stays."""
+        if not self.gradual_stays:
+            return gained
+        lasting = windows.end - windows.start + 1
+        now = jnp.clip((tau + 1 - windows.start) / lasting, 0, 1)
+        before = jnp.clip((tau - windows.start) / lasting, 0, 1)
+        return alive * (now - before).sum()
+
+    def succeeded(self, mdp: GroundedMdp, episode: Episode) -> Array:
+        """Whether every task held until everything was decided."""
+        return (episode.alive > 0) & (episode.tau >= mdp.windows.last)
+
+    def policy_features(self, mdp: GroundedMdp, episode: Episode, sense: Sense) -> Array:
+        """Task-agnostic features [f] in the robot's frame.
+
+        For d = 2: 17 numbers, 3 for each danger, and the robot's own.
+        """
+        problem, windows, robot = mdp.problem, mdp.windows, mdp.problem.robot
+        last = windows.order.shape[0] - 1
+        rank, following = jnp.minimum(sense.rank, last), jnp.minimum(sense.rank + 1, last)
+        position = robot.position(episode.state)
+        live = sense.live
+        next_live = (sense.rank + 1 < windows.count).astype(jnp.float32) * live
+        distance = sense.distance / robot.length
+        opens, closes = windows.start[rank] - episode.tau, windows.end[rank] - episode.tau
+        opens_next = windows.start[following] - episode.tau
+        hurry = jnp.clip(sense.distance / (jnp.maximum(opens, 1.0) * robot.speed), 0, 2)
+        direction = sense.direction * jnp.minimum(1.0, 4 * distance) * live
+        centers = (problem.center[windows.order] - position) / robot.length
+        center, onward = centers[rank] * live, centers[following] * next_live
+        margins, obstacles = _nearest_dangers(
+            windows, episode.tau, sense, robot.length, self.dangers
+        )
+        vectors = jnp.stack(
+            [
+                direction,
+                direction * hurry,
+                center / jnp.maximum(1.0, jnp.linalg.norm(center)),
+                obstacles[0],
+                onward / 5,
+                *obstacles[1:],
+                *sense.ahead * jnp.minimum(1.0, 4 * distance) * live,
+            ]
+        )
+        scalars = jnp.stack(
+            [
+                jnp.minimum(distance, 6.0) / 3,
+                hurry,
+                jnp.clip(opens / 20, -1, 3) * live,
+                jnp.clip(closes / 20, -1, 3) * live,
+                sense.holding * 1.0,
+                live,
+                jnp.clip(-margins[0], -2, 1),
+                jnp.clip(opens_next / 20, -1, 3) * next_live,
+                *jnp.clip(-margins[1:], -2, 1),
+            ]
+        )
+        framed = robot.to_frame(episode.state, vectors).reshape(-1)
+        return jnp.concatenate([robot.observe(episode.state), framed, scalars])
+
+    def critic_features(
+        self, mdp: GroundedMdp, episode: Episode, sense: Sense, features: Array
+    ) -> Array:
+        """The policy's features, the schedule, the progress and the reserve of each leg.
+
+        Of a longer mission, the first variables and the next legs: as many as weights know.
+        """
+        windows = mdp.windows
+        horizon = mdp.problem.formula.horizon
+        first = jnp.clip(windows.count - LEGS_SEEN, 0, sense.rank)
+        slack = jax.lax.dynamic_slice(mdp.slack, (first,), (LEGS_SEEN,))
+        ahead = first + jnp.arange(LEGS_SEEN) >= sense.rank
+        return jnp.concatenate(
+            [
+                features,
+                windows.schedule[:VARIABLES_SEEN] / horizon,
+                jax.nn.one_hot(sense.rank - first, LEGS_SEEN + 1),
+                jnp.clip(slack / 20, -2, 2) * ahead,
+                jnp.stack([episode.tau / horizon, mdp.shortfall / 20, episode.alive]),
+            ]
+        )
+
+    def _sense(self, mdp: GroundedMdp, state: Array, tau) -> Sense:
+        problem, windows = mdp.problem, mdp.windows
+        position = problem.robot.position(state)
+        mu, gradient = extended_margins(problem, state)
+        checks = check(problem, windows, tau, mu, gradient)
+        rank, holding = _target(windows, tau)
+        live = (rank < windows.count).astype(jnp.float32)
+        doors = closed_doors(problem, windows.constraint_start, windows.constraint_end, tau)
+        subgoal = windows.order[jnp.minimum(rank, windows.order.shape[0] - 1)]
+        index = field_index(problem.formula, subgoal, doors)
+        way = partial(problem.world.field, problem.data, index)
+        distance, direction = way(position)
+        steps = problem.robot.length * jnp.diff(jnp.asarray(self.ahead), prepend=0.0)
+        point, following, ahead = position, direction, []
+        for step in steps:
+            point = point + step * following
+            _, following = way(point)
+            ahead.append(following)
+        directions = jnp.stack(ahead) if ahead else jnp.zeros((0, *position.shape))
+        return Sense(checks, distance * live, direction, directions, rank, doors, live, holding)
+
+
+def _target(windows: Windows, tau: Array) -> tuple[Array, Array]:
+    """Rank of the subgoal to travel to or to stay in at step tau, and whether it is a stay."""
+    size = windows.start.shape[0]
+    entered = (windows.start <= tau).sum()
+    open_ = (windows.start <= tau) & (tau < windows.end) & (jnp.arange(size) < windows.count)
+    held = jnp.where(open_, jnp.arange(size), -1).max()
+    next_start = jnp.where(
+        entered < windows.count, windows.start[jnp.minimum(entered, size - 1)], jnp.inf
+    )
+    keep = (held >= 0) & (next_start > windows.end[held])
+    return jnp.where(keep, held, entered), keep
+
+
+def _nearest_dangers(
+    windows: Windows, tau: Array, sense: Sense, length: float, count: int
+) -> tuple[Array, Array]:
+    """Margins [count] and directions [count, d] of the tasks closest to being violated.
+
+    The closest first; directions fade with distance, and margins are in units of `length`.
+    Candidates are the constraints that hold at the next step and the stays that are open.
+    """
+    checks = sense.checks
+    soon = tau + 1
+    constraint = (windows.constraint_start <= soon) & (soon <= windows.constraint_end)
+    stay = (windows.start <= tau) & (soon <= windows.end)
+    margin = jnp.where(
+        jnp.concatenate([stay, constraint]),
+        jnp.concatenate([checks.subgoal, checks.constraint]),
+        9.0 * length,
+    )
+    values, directions = [], []
+    for _ in range(count):  # faster than a sort
+        nearest = margin.argmin()
+        value = margin[nearest] / length
+        values.append(value)
+        directions.append(-checks.gradient[nearest] * jnp.exp(-3 * jnp.clip(value, -0.3, 3.0)))
+        margin = margin.at[nearest].set(9.0 * length)
+    return jnp.stack(values), jnp.stack(directions)

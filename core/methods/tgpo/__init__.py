@@ -1,0 +1,1 @@
+"""TGPO and TGPO*: one time-conditioned policy, and a critic that searches the times."""

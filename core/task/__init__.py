@@ -1,0 +1,1 @@
+"""A formula grounded in a robot's world: data that compiled programs take."""
