@@ -5,10 +5,15 @@
 The paper is silent on the limits of v and w: 2 m/s an axis here, 0.4 m a step.
 """
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
+
+from core.task.protocols import Tuning
+from envs.robot import Robot, Workspace
 
 
 @dataclass(frozen=True)
@@ -29,13 +34,20 @@ class Linear:
     speed: float = 0.4
     lag: float = 1.0
     length: float = 1.0
-    workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0))
+    workspace: Workspace = Workspace(((-5.0, 5.0), (-5.0, 5.0)), spacing=0.125)
+    tuning: Tuning = Tuning()
+    drawn_as: str = "ball"
     name: str = "linear"
     state_size: int = 2
     action_size: int = 2
     position_size: int = 2
     state_names: tuple[str, ...] = ("x [m]", "y [m]")
     action_names: tuple[str, ...] = ("v", "w")
+
+    @property
+    def variants(self) -> Mapping[str, Robot]:
+        """None."""
+        return {}
 
     def rest(self, key: jax.Array, position: jax.Array) -> jax.Array:
         """The position itself: the robot has neither heading nor speed."""
@@ -49,6 +61,17 @@ class Linear:
     def step(self, state: jax.Array, action: jax.Array) -> jax.Array:
         """Move for dt at the velocity `clip(action) * max_velocity`."""
         return state + jnp.clip(action, -1.0, 1.0) * (self.max_velocity * self.dt)
+
+    @property
+    def begins_exactly(self) -> bool:
+        """`rest` is the position itself."""
+        return True
+
+    def farthest(self, step: int) -> tuple[float, float, float]:
+        """Of a step [m]: in x, in y and in all."""
+        del step
+        axis = self.max_velocity * self.dt
+        return axis, axis, math.hypot(axis, axis)
 
     def position(self, state: jax.Array) -> jax.Array:
         """Position [..., 2] in [m]."""

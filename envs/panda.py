@@ -15,10 +15,15 @@ the arm stands, remain the end effector's. Links are capsules (`LINKS`), each co
 nothing in a capsule is missed, and a ball reaches at most 9 mm beyond it.
 """
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
+
+from core.task.protocols import Tuning
+from envs.robot import Robot, Workspace
 
 DENAVIT_HARTENBERG = (
     (0.0, 0.333, 0),
@@ -89,13 +94,22 @@ class Panda:
     spread: float = 0.6
     iterations: int = 15
     damping: float = 1e-3
-    workspace: tuple[tuple[float, float], ...] = ((0.1, 0.86), (-0.7, 0.7), (0.0, 1.0))
+    workspace: Workspace = Workspace(
+        ((0.1, 0.86), (-0.7, 0.7), (0.0, 1.0)), spacing=0.04, clearance=0.03, inset=0.02
+    )
+    tuning: Tuning = Tuning()
+    drawn_as: str = "arm"
     name: str = "panda"
     state_size: int = 7
     action_size: int = 7
     position_size: int = 3
     state_names: tuple[str, ...] = tuple(f"joint {i} [rad]" for i in range(1, 8))
     action_names: tuple[str, ...] = tuple(f"omega {i}" for i in range(1, 8))
+
+    @property
+    def variants(self) -> Mapping[str, Robot]:
+        """`links`: obstacles are held against the whole arm."""
+        return {"links": replace(self, links=True)}
 
     def rest(self, key: jax.Array, position: jax.Array) -> jax.Array:
         """The end effector at the position, the posture close to the ready posture."""
@@ -105,10 +119,28 @@ class Panda:
         """The end effector at the position, the posture at random (the arm is redundant)."""
         return self._reach(self.spread, key, position)
 
+    def move(self, state: jax.Array, position: jax.Array) -> jax.Array:
+        """The end effector brought to the position, the posture changed little."""
+        return self._brought(state, jnp.asarray(position, jnp.float32))
+
     def step(self, state: jax.Array, action: jax.Array) -> jax.Array:
         """Turn every joint for dt at its velocity; a joint stops at its limit."""
         change = jnp.clip(action, -1.0, 1.0) * (jnp.asarray(self.max_velocity) * self.dt)
         return jnp.clip(state + change, jnp.asarray(self.low), jnp.asarray(self.high))
+
+    def farthest(self, step: int) -> tuple[float, float, float, float]:
+        """Of a step [m]: all joints at full speed, each with the arm beyond it stretched.
+
+        A joint moves the end effector by its angle times the distance at most; turning one after
+        the other in small parts leads to the same posture. The seventh turns about the tip.
+        """
+        del step
+        lengths = [math.hypot(a, d) for a, d, _ in DENAVIT_HARTENBERG[2:]]
+        lengths[-1] = math.hypot(DENAVIT_HARTENBERG[6][0], FLANGE + self.tool)
+        beyond = [sum(lengths[max(joint - 1, 0) :]) for joint in range(6)]
+        limits = self.max_velocity[:6]
+        distance = sum(w * r for w, r in zip(limits, beyond, strict=True)) * self.dt
+        return distance, distance, distance, distance
 
     def position(self, state: jax.Array) -> jax.Array:
         """Position [..., 3] of the end effector in [m]."""
@@ -188,6 +220,11 @@ class Panda:
         noise = spread * jax.random.uniform(key, (7,), minval=-1.0, maxval=1.0)
         towards = jnp.arctan2(position[1], position[0])
         start = jnp.asarray(READY, jnp.float32).at[0].add(towards) + noise
+        return self._brought(jnp.clip(start, low, high), position)
+
+    def _brought(self, start: jax.Array, position: jax.Array) -> jax.Array:
+        """A posture near `start` whose end effector is at the position, or comes near."""
+        low, high = jnp.asarray(self.low), jnp.asarray(self.high)
 
         def improve(state, _):
             axes, origins, tip = self.kinematics(state)
@@ -198,7 +235,7 @@ class Panda:
             state = state + jacobian.T @ _solve(gram, error)
             return jnp.clip(state, low, high), None
 
-        state, _ = jax.lax.scan(improve, jnp.clip(start, low, high), length=self.iterations)
+        state, _ = jax.lax.scan(improve, start, length=self.iterations)
         return state
 
 

@@ -20,10 +20,15 @@ Default action: (thrust, roll, pitch, yaw rate), kept by an inner loop whose out
 forces. With `raw_motors` the action is the four forces themselves, as in the paper.
 """
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
+
+from core.task.protocols import Tuning
+from envs.robot import Robot, Workspace
 
 
 @dataclass(frozen=True)
@@ -71,7 +76,11 @@ class Quadrotor:
     lag: float = 6.0
     length: float = 1.0
     placed_speed: float = 3.0
-    workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0), (0.0, 5.0))
+    workspace: Workspace = Workspace(
+        ((-5.0, 5.0), (-5.0, 5.0), (0.0, 5.0)), spacing=0.3125, clearance=0.35, inset=0.15
+    )
+    tuning: Tuning = Tuning(gradual_stays=True, learning_rate=2.5e-3)
+    drawn_as: str = "multirotor"
     name: str = "quadrotor"
     state_size: int = 12
     action_size: int = 4
@@ -97,6 +106,11 @@ class Quadrotor:
         if self.raw_motors:
             return ("f1", "f2", "f3", "f4")
         return ("thrust", "roll", "pitch", "yaw rate")
+
+    @property
+    def variants(self) -> Mapping[str, Robot]:
+        """`raw-motors`: the action is the motor forces, as in the paper."""
+        return {"raw-motors": replace(self, raw_motors=True)}
 
     @property
     def hover_force(self) -> float:
@@ -148,6 +162,22 @@ class Quadrotor:
         spin = (torque - jnp.cross(rates, inertia * rates)) / inertia
         change = jnp.concatenate([velocity, acceleration, rates, spin])
         return state + change * self.dt
+
+    @property
+    def begins_exactly(self) -> bool:
+        """`rest` hovers at the position."""
+        return True
+
+    def farthest(self, step: int) -> tuple[float, float, float, float]:
+        """Of a step [m]: four motors at full force in any direction, on top of gravity.
+
+        Rest is level, and torques turn it only in the third step: the thrust of the steps 0 and 1
+        is vertical, and moves the robot a step later.
+        """
+        thrust = 4 * self.max_force / self.mass
+        level = max(step - 2, 0) * thrust * self.dt**2
+        vertical = step * (thrust + self.gravity) * self.dt**2
+        return level, level, vertical, math.hypot(level, vertical)
 
     def position(self, state: jax.Array) -> jax.Array:
         """Position [..., 3] in [m] in the scene's frame, z up."""

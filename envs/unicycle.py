@@ -8,10 +8,14 @@ Explicit Euler exactly as printed: the position moves with the old heading and s
 limits only the controls), and the heading is not wrapped.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
+
+from core.task.protocols import Tuning
+from envs.robot import Robot, Workspace
 
 
 @dataclass(frozen=True)
@@ -39,13 +43,20 @@ class Unicycle:
     length: float = 1.0
     placed_speed: tuple[float, float] = (-0.5, 1.5)
     speed_scale: float = 3.0
-    workspace: tuple[tuple[float, float], ...] = ((-5.0, 5.0), (-5.0, 5.0))
+    workspace: Workspace = Workspace(((-5.0, 5.0), (-5.0, 5.0)), spacing=0.125)
+    tuning: Tuning = Tuning(violation=-3.5)
+    drawn_as: str = "car"
     name: str = "unicycle"
     state_size: int = 4
     action_size: int = 2
     position_size: int = 2
     state_names: tuple[str, ...] = ("x [m]", "y [m]", "theta [rad]", "v [m/s]")
     action_names: tuple[str, ...] = ("omega", "a")
+
+    @property
+    def variants(self) -> Mapping[str, Robot]:
+        """None."""
+        return {}
 
     def rest(self, key: jax.Array, position: jax.Array) -> jax.Array:
         """Standing at the position, heading uniform on the circle."""
@@ -71,6 +82,16 @@ class Unicycle:
                 speed + acceleration * (self.max_acceleration * self.dt),
             ]
         )
+
+    @property
+    def begins_exactly(self) -> bool:
+        """`rest` stands at the position."""
+        return True
+
+    def farthest(self, step: int) -> tuple[float, float, float]:
+        """Of a step [m]: the speed, 0 at first, grows by `max_acceleration` dt a step at most."""
+        distance = step * self.max_acceleration * self.dt**2
+        return distance, distance, distance
 
     def position(self, state: jax.Array) -> jax.Array:
         """Position [..., 2] in [m]."""

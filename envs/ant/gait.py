@@ -121,7 +121,7 @@ def _turned(vectors: Any, turns: Any, xp: Any) -> Any:
 
 @cache
 def shipped_gait() -> Gait:
-    """The gait that comes with the program (`tests.tools.gait` made it)."""
+    """The gait that comes with the program (`envs.ant.gait_training` made it)."""
     return read_gait((resources.files("static") / "ant" / WEIGHTS).read_bytes())
 
 

@@ -25,6 +25,9 @@ class NativePhysics:
         self._gait, self._reach = gait, reach
         self._simulators = Borrowed(_Simulator)
 
+    def warm_up(self, count: int) -> None:
+        """Nothing: no number of ants is compiled for."""
+
     def step(self, states: np.ndarray, actions: np.ndarray) -> np.ndarray:
         """States [N, 29] after a control step towards the waypoints `reach` * actions [N, 2]."""
         states = np.asarray(states, float)

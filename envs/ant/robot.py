@@ -8,25 +8,30 @@ action is a waypoint relative to the torso, c = reach * u, held for a step of 0.
     w = top_speed * clip((|c| - dead) / (near - dead), 0, 1) * c / |c|    the velocity asked for
     v' = v + response * (w - v),    p' = p + v' dt    (everything else stays as it is)
 
-Fitted by `tests.tools.gait.fit` (seed 1). On other ants (seeds 2 to 4) under waypoints that
+Fitted by `envs.ant.gait_training.fit` (seed 1). On other ants (seeds 2 to 4) under waypoints that
 change every 0.2 to 2 s, its prediction 1 s ahead is off by 0.16-0.17 m rms an axis, of 0.6 m
 travelled. It leaves out the torso's sway (0.23 m/s rms) and where a gait lets an ant drift: in
 steady walks the speed differs by +-0.1 m/s between ants, sideways drift is 0.1 m/s rms, and the
 truth hardly moves towards waypoints nearer than 0.15 m.
 """
 
-from dataclasses import dataclass
+import sys
+from collections.abc import Mapping
+from contextlib import redirect_stdout
+from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
+from typing import Literal, get_args
 
 import jax
 import jax.numpy as jnp
 
-from core.physics import Physics
+from core.task.physics import Physics
+from core.task.protocols import Tuning
 from envs.ant.gait import REACH, shipped_gait
 from envs.ant.model import DT, POSITIONS, STANDING, STATE
+from envs.robot import Robot, Workspace
 
-Simulator = Literal["auto", "native", "mjx"]
+SimulatorName = Literal["native", "mjx", "brax"]
 
 
 @dataclass(frozen=True)
@@ -35,7 +40,7 @@ class Ant:
 
     Attributes:
         dt: Duration of a step in [s].
-        simulator: Of the true physics: native MuJoCo, MJX, or by what JAX runs on.
+        simulator: Of the true physics: native MuJoCo, MJX, brax, or by what JAX runs on.
         reach: Length of a waypoint at action 1 in [m].
         top_speed: Speed in [m/s] to which waypoints at `near` and beyond lead.
         dead: Distance in [m] of a waypoint below which the ant stands.
@@ -49,7 +54,7 @@ class Ant:
     """
 
     dt: float = DT
-    simulator: Simulator = "auto"
+    simulator: SimulatorName | Literal["auto"] = "auto"
     reach: float = REACH
     top_speed: float = 1.47
     dead: float = 0.08
@@ -60,7 +65,18 @@ class Ant:
     length: float = 0.6
     placed_speed: float = 1.2
     speed_scale: float = 1.5
-    workspace: tuple[tuple[float, float], ...] = ((-3.0, 3.0), (-3.0, 3.0))
+    workspace: Workspace = Workspace(
+        ((-3.0, 3.0), (-3.0, 3.0)), spacing=0.1, clearance=0.2, inset=0.15
+    )
+    tuning: Tuning = Tuning(
+        violation=-1.5,
+        gradual_stays=True,
+        learning_rate=2.5e-3,
+        epochs=60,
+        model_epochs=50,
+        evaluation_states=128,
+    )
+    drawn_as: str = "spider"
     name: str = "ant"
     state_size: int = STATE
     action_size: int = 2
@@ -72,6 +88,11 @@ class Ant:
         *(f"{joint} rate {leg} [rad/s]" for leg in range(1, 5) for joint in ("hip", "ankle")),
     )
     action_names: tuple[str, ...] = ("waypoint x", "waypoint y")
+
+    @property
+    def variants(self) -> Mapping[str, Robot]:
+        """One for each simulator of the true physics."""
+        return {name: replace(self, simulator=name) for name in get_args(SimulatorName)}
 
     def rest(self, key: jax.Array, position: jax.Array) -> jax.Array:
         """Standing at the position, heading uniform on the circle."""
@@ -95,6 +116,11 @@ class Ant:
         velocity = velocity + self.response * (wanted - velocity)
         position = state[:2] + self.dt * velocity
         return state.at[:2].set(position).at[POSITIONS : POSITIONS + 2].set(velocity)
+
+    @property
+    def begins_exactly(self) -> bool:
+        """`rest` stands at the position; how fast an ant can be at most is not known."""
+        return True
 
     def position(self, state: jax.Array) -> jax.Array:
         """Position [..., 2] of the torso in [m]."""
@@ -127,12 +153,20 @@ class Ant:
 
 
 @cache
-def _physics(kind: Simulator, reach: float) -> Physics:
-    """One simulator of each kind in a process."""
-    if kind == "mjx":
-        from envs.ant.mjx import MjxPhysics  # noqa: PLC0415
+def _physics(kind: SimulatorName, reach: float) -> Physics:
+    """One simulator of each kind in a process; what it is made of is imported for it alone."""
+    match kind:
+        case "native":
+            from envs.ant.native import NativePhysics  # noqa: PLC0415
 
-        return MjxPhysics(shipped_gait(), reach)
-    from envs.ant.native import NativePhysics  # noqa: PLC0415
+            return NativePhysics(shipped_gait(), reach)
+        case "mjx":
+            from envs.ant.mjx import mjx_step as make_step  # noqa: PLC0415
+        case "brax":
+            from envs.ant.brax import brax_step as make_step  # noqa: PLC0415
+    from envs.ant.compiled import CompiledPhysics  # noqa: PLC0415
 
-    return NativePhysics(shipped_gait(), reach)
+    # mujoco.mjx prints on import that it found no warp; standard output is for results
+    with redirect_stdout(sys.stderr):
+        step = make_step()
+    return CompiledPhysics(step, shipped_gait(), reach)
