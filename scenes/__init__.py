@@ -1,36 +1,31 @@
 """Regions, scenes and the shipped tasks."""
 
+from scenes.formula import scene_formula, scene_reading
 from scenes.layouts import walls
 from scenes.margins import RegionArrays, margins, margins_and_gradients, region_arrays
+from scenes.places import mission_of
 from scenes.regions import Region, SceneError
 from scenes.scene import (
-    WORKSPACE_DIMENSION,
     Scene,
     demo_names,
     format_scene,
     load_scene,
     load_task,
     parse_scene,
+    robot_of,
     save_scene,
     task_names,
 )
 from scenes.world import (
-    AIRSPACE,
-    COURTYARD,
-    PLANAR,
-    TABLETOP,
     GoalGeometry,
     GridWorld,
     goal_geometry,
+    make_world,
     world_arrays,
+    world_of,
 )
 
 __all__ = [
-    "AIRSPACE",
-    "COURTYARD",
-    "PLANAR",
-    "TABLETOP",
-    "WORKSPACE_DIMENSION",
     "GoalGeometry",
     "GridWorld",
     "Region",
@@ -42,12 +37,18 @@ __all__ = [
     "goal_geometry",
     "load_scene",
     "load_task",
+    "make_world",
     "margins",
     "margins_and_gradients",
+    "mission_of",
     "parse_scene",
     "region_arrays",
+    "robot_of",
     "save_scene",
+    "scene_formula",
+    "scene_reading",
     "task_names",
     "walls",
     "world_arrays",
+    "world_of",
 ]

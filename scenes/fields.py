@@ -1,6 +1,6 @@
 """Geodesic distance fields on a grid over the workspace.
 
-d(p) is the shortest travelling distance from p to a goal set around the blocked cells, the
+d(p) is the shortest travel distance from p to a goal set around the blocked cells, the
 viscosity solution of |grad d| * v = 1 with d = 0 on the goal, found by fast marching
 (scikit-fmm). Blocked cells are slow (v = BLOCKED_SPEED), not walls, so that the field leads out
 of an obstacle too.
@@ -72,7 +72,7 @@ def interpolate(grid: Grid, table: Any, index: Any, position: jax.Array) -> jax.
         grid: the nodes.
         table: fields [F, *shape, c].
         index: which field, scalar.
-        position: [d] in [m]; outside the grid its border counts.
+        position: [d] in [m]; positions outside the grid are clipped to its border.
 
     Returns:
         Values [c].

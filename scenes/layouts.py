@@ -1,12 +1,12 @@
 """Other layouts of a scene: the same regions, moved, resized and mirrored.
 
-What stays: walls, that is boxes that cover a whole face of the workspace. Obstacles that touch
-move together, and only along the walls that they touch, so that chambers stay closed and pillars
+Walls, that is boxes that cover a whole face of the workspace, stay. Obstacles that touch move
+together, and only along the walls that they touch, so that chambers stay closed and pillars
 stand from floor to ceiling; so do goals that overlap. Only regions that touch no other are
-resized. A goal and another region, and goals among themselves, keep the distance that planned
-ways keep from obstacles, or the one that they had.
+resized. Goals keep at least the clearance of planned paths from other goals and regions, or the
+distance that they had.
 
-Whether a layout leaves time for the task is the caller's business.
+Whether a layout leaves time for the task is for the caller to check.
 """
 
 from collections.abc import Collection, Sequence
@@ -20,23 +20,23 @@ from scenes.scene import Scene
 from scenes.world import GridWorld
 
 ATTEMPTS = 50
-"""Places that are tried for a region before the whole layout is begun anew."""
+"""Positions tried for a region before the whole layout is restarted."""
 
 TOUCHING = 1e-6
 """Distance in [m] up to which regions touch: sums of decimals are not exact."""
 
 RESTARTS = 5
-"""Layouts that are begun before shifts are made smaller."""
+"""Layouts started before shifts are made smaller."""
 
 
 @dataclass(frozen=True)
 class Perturbation:
-    """How far layouts are from the one they are made of.
+    """How far layouts may differ from the original.
 
     Attributes:
         shift: Largest displacement along an axis, as a share of the workspace's extent.
         scale: Largest change of a size, as a share.
-        mirror: Whether axes on which the workspace is symmetric are mirrored, half of the time.
+        mirror: Whether axes on which the workspace is symmetric are mirrored, with probability 1/2.
     """
 
     shift: float = 0.1
@@ -59,7 +59,7 @@ def perturbed(
     random: np.random.Generator,
     perturbation: Perturbation | None = None,
 ) -> Scene:
-    """A random layout of a scene; the scene itself, perhaps mirrored, where no other fits.
+    """A random layout of a scene; the scene itself, perhaps mirrored, if no other fits.
 
     Args:
         scene: the regions.
@@ -94,7 +94,7 @@ def walls(scene: Scene, world: GridWorld) -> list[Region]:
 def separation(first: Region, second: Region) -> float:
     """Distance in [m] between two regions, negative or 0 where they touch.
 
-    Cylinders count as the boxes around them, so that it is never overrated.
+    Cylinders count as the boxes around them, so the distance is never overestimated.
     """
     offset = np.abs(np.subtract(first.center, second.center))
     radius = 0.0
@@ -121,7 +121,7 @@ def _workspace(world: GridWorld) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _faces(region: Region, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Faces of the workspace [2, d], low ones first, that a box covers wholly, to 2 %."""
+    """Faces of the workspace [2, d], low ones first, that a box covers completely, to 2 %."""
     if region.kind not in ("rectangle", "box"):
         return np.zeros((2, len(low)), bool)
     slack = 0.02 * (high - low)
@@ -135,7 +135,7 @@ def _faces(region: Region, low: np.ndarray, high: np.ndarray) -> np.ndarray:
 def _free_axes(
     region: Region, standing: list[Region], low: np.ndarray, high: np.ndarray
 ) -> np.ndarray:
-    """Axes [d] along which a region may move: those that lead to no wall that it touches."""
+    """Axes [d] along which a region may move: those that lead to no wall it touches."""
     free = np.ones(len(low), bool)
     for wall in standing:
         if separation(region, wall) <= TOUCHING:
@@ -146,7 +146,7 @@ def _free_axes(
 def _groups(
     scene: Scene, goals: Collection[str], standing: list[Region], low: np.ndarray, high: np.ndarray
 ) -> list[_Group]:
-    """What moves together: obstacles first, because goals find a place among them easily."""
+    """Regions that move together; obstacles first, since goals are easily placed among them."""
 
     def group(regions: list[Region], goal: bool) -> _Group:
         free = [_free_axes(region, standing, low, high) for region in regions]
@@ -162,7 +162,7 @@ def _groups(
 
 
 def _touching(regions: list[Region]) -> list[list[Region]]:
-    """Regions that touch, together."""
+    """Group the regions that touch."""
     groups: list[list[Region]] = []
     for region in regions:
         near = [g for g in groups if any(separation(region, other) <= TOUCHING for other in g)]
@@ -180,7 +180,7 @@ def _arrange(
     scale: float,
     random: np.random.Generator,
 ) -> list[tuple[Region, Region]] | None:
-    """Every region and where it has gone; None where one found no place.
+    """Every region before and after; None if one could not be placed.
 
     Shifts are uniform in [-extent, extent] [d], [m].
     """
@@ -217,7 +217,7 @@ def _moved(region: Region, shift: np.ndarray) -> Region:
 
 
 def _resized(region: Region, free: np.ndarray, scale: float, random: np.random.Generator) -> Region:
-    """Sizes along axes that are free, each by a factor of its own."""
+    """Scale the sizes along free axes, each by its own factor."""
     match region.kind:
         case "circle" | "sphere":
             may = np.array([free.all()])
@@ -230,7 +230,7 @@ def _resized(region: Region, free: np.ndarray, scale: float, random: np.random.G
 
 
 def _mirrored(scene: Scene, axes: np.ndarray) -> Scene:
-    """The scene with the sign of the coordinates on some axes [d] turned."""
+    """The scene with the sign of the coordinates on some axes [d] flipped."""
     sign = np.where(axes, -1.0, 1.0)
 
     def mirror(region: Region) -> Region:

@@ -1,8 +1,8 @@
 """Signed distances from a position to the regions' boundaries, with their gradients.
 
 The margin of a region at position p is mu(p) = -sd(p), sd the signed Euclidean distance to its
-boundary: mu >= 0 exactly inside. All five kinds follow one formula. In a region's own excesses
-q, one entry an independent direction,
+boundary: mu >= 0 exactly inside. All five kinds follow one formula. In terms of a region's
+excesses q, one entry per independent direction,
 
     ball (circle, sphere)      q = (|p - c| - r)
     box (rectangle, box)       q = |p - c| - h, axis by axis
@@ -31,7 +31,7 @@ _TINY = 1e-12  # squared length in [m^2] under which a direction counts as undef
 
 
 class RegionArrays(NamedTuple):
-    """Regions as data, padded to a capacity so that other regions compile nothing."""
+    """Regions as data, padded to a capacity, so that other regions need no compilation."""
 
     kind: jax.Array  # [A] int32: BALL, BOX or CYLINDER
     center: jax.Array  # [A, d] float32 [m]
@@ -40,7 +40,7 @@ class RegionArrays(NamedTuple):
 
 
 def region_arrays(regions: tuple[Region, ...], dimension: int, capacity: int) -> RegionArrays:
-    """Pack regions of one dimension, in their order, into arrays of `capacity` rows."""
+    """Pack regions of one dimension, in order, into arrays of `capacity` rows."""
     if len(regions) > capacity:
         raise SceneError(f"{len(regions)} regions are too many: at most {capacity} are allowed")
     kind = np.zeros(capacity, np.int32)
@@ -50,7 +50,7 @@ def region_arrays(regions: tuple[Region, ...], dimension: int, capacity: int) ->
         if region.dimension != dimension:
             raise SceneError(
                 f"region {region.name!r} is a {region.kind} of dimension {region.dimension}; "
-                f"the space has dimension {dimension}"
+                f"the workspace has dimension {dimension}"
             )
         kind[row] = _CODES[region.kind]
         center[row] = region.center

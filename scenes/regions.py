@@ -1,4 +1,4 @@
-"""Named regions: the shapes that the atoms of a formula stand for.
+"""Named regions: the shapes that the atoms of a formula denote.
 
 A region is a closed set of positions given by its kind, its center and its size, in metres:
 
@@ -15,16 +15,18 @@ cylinder   3  (radius, half_height), axis along z
 
 import re
 from dataclasses import dataclass
-from difflib import get_close_matches
 from types import MappingProxyType
 from typing import Literal, NamedTuple, get_args
 
-from core.errors import UserError
+from core.errors import UserError, allowed
 
 Kind = Literal["circle", "rectangle", "sphere", "box", "cylinder"]
 
 LARGEST_COORDINATE = 1e3
 """Largest magnitude of a coordinate and largest size in [m]; float32 stays exact to 0.1 mm."""
+
+SMALLEST_SIZE = 1e-6
+"""Smallest size in [m]; a smaller region vanishes in float32."""
 
 LONGEST_NAME = 40
 """Largest number of characters of a region's name."""
@@ -81,6 +83,8 @@ class Region:
         size = _numbers("size", self.size, shape.sizes, self.kind)
         if min(size) <= 0:
             raise SceneError(f"size: {list(size)} must be positive [m]")
+        if min(size) < SMALLEST_SIZE:
+            raise SceneError(f"size: {list(size)} must be at least {SMALLEST_SIZE:g} m")
         object.__setattr__(self, "center", center)
         object.__setattr__(self, "size", size)
         if self.color is not None and not _is_color(self.color):
@@ -93,22 +97,15 @@ class Region:
 
 
 def check_name(name: object) -> None:
-    """Refuse what no formula could quote: empty, too long, padded, quotes, control characters."""
+    """Refuse names that a formula cannot quote: empty, long, padded, with quotes or controls."""
     if not isinstance(name, str) or not name:
-        raise SceneError(f"name: {name!r} must be text of at least one character")
+        raise SceneError(f"name: {name!r} must be non-empty text")
     if len(name) > LONGEST_NAME:
         raise SceneError(f"name: {name[:LONGEST_NAME]!r}... is longer than {LONGEST_NAME}")
     if not name.isprintable() or name != name.strip() or re.search(r"[\"'`\\]", name):
         raise SceneError(
-            f"name: {name!r} must be printable, without quotes, backslashes or outer spaces"
+            f"name: {name!r} must be printable, without quotes, backslashes or spaces at the ends"
         )
-
-
-def allowed(given: object, names) -> str:
-    """`Allowed: ...`, the names nearest to what was given first."""
-    everything = list(names)
-    near = get_close_matches(str(given), everything, n=3, cutoff=0.5)
-    return "Allowed: " + ", ".join(near + [name for name in everything if name not in near])
 
 
 def _is_color(color: object) -> bool:
@@ -116,7 +113,7 @@ def _is_color(color: object) -> bool:
 
 
 def _numbers(field: str, values: object, names: tuple[str, ...], kind: str) -> tuple[float, ...]:
-    """Check that the values are one finite number a name and return them as floats."""
+    """Check that there is one finite number per name and return them as floats."""
     expected = f"a {kind} needs ({', '.join(names)}) in [m]"
     if not isinstance(values, list | tuple):
         raise SceneError(f"{field}: {values!r} is not a list of numbers; {expected}")

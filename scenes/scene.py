@@ -1,4 +1,4 @@
-"""Scenes: a robot, its named regions, a formula and the initial set; read from and kept as TOML.
+"""Scenes: a robot, its named regions, a formula and the initial set, stored as TOML.
 
 The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's project files
 (`*.stl.toml`):
@@ -7,49 +7,64 @@ The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's
     name = "linear-08"            title = "..."       robot = "linear"
     horizon = 100  # steps        seed = 1007         formula = "F_[0:90](A1)"
     [initial]      kind, center, size                 # where episodes start
-    [regions.A1]   kind, center, size, color?         # one table a region, in order
+    [regions.A1]   kind, center, size, color?         # one table per region, in order
 
-`variant = "..."` beside them asks for another reading of the robot, one of `VARIANTS`.
+`variant = "..."` beside them asks for another reading of the robot, one of its `variants`.
 """
 
 import json
 import os
 import re
 import tempfile
-import tomllib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
-from scenes.regions import Region, SceneError, allowed
+import msgspec
+
+from core.documents import typed
+from core.errors import UserError, allowed
+from envs import ENVS, Robot, make_robot
+from scenes.regions import Region, SceneError
+from scenes.toml import LARGEST_FILE, read_toml
 
 FORMAT = 1
 """Version of the schema that this program reads and writes."""
 
-WORKSPACE_DIMENSION = MappingProxyType(
-    {"linear": 2, "unicycle": 2, "panda": 3, "quadrotor": 3, "ant": 2}
-)
-"""Dimension of the space in which each robot's regions live (a test holds it equal to `ENVS`)."""
-
-VARIANTS = MappingProxyType(
-    {"panda": ("links",), "quadrotor": ("raw-motors",), "ant": ("native", "mjx")}
-)
-"""Other readings of the robots (a test holds the names equal to those of `envs.VARIANTS`)."""
-
 DEMO = "-demo"
-"""Ends the name of a robot's demo, beside the numbers of the paper's tasks."""
+"""Suffix of a demo's name; the paper's tasks have numbers."""
 
-LARGEST_FILE = 1_000_000  # bytes
 LONGEST_FORMULA = 10_000  # characters, as in the parser
 LARGEST_HORIZON = 10_000  # steps
 LARGEST_SEED = 2**31 - 1
 
-_SCENE_FIELDS = ("name", "title", "robot", "horizon", "seed", "formula", "initial", "regions")
-_REGION_FIELDS = ("kind", "center", "size")
+
+class _RegionTable(msgspec.Struct, forbid_unknown_fields=True):
+    """A table [regions.NAME] or [initial]; what its values may be is `Region`'s to say."""
+
+    kind: str
+    center: list[float]
+    size: list[float]
+    color: str | None = None
+
+
+class _SceneTable(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
+    """A whole file; the bounds of its values are `Scene`'s to say."""
+
+    format: int
+    name: str
+    title: str
+    robot: str
+    variant: str = ""
+    horizon: int
+    seed: int
+    formula: str
+    initial: Any
+    regions: dict[str, Any] = {}
+    """A `_RegionTable` each, as `initial`; read one by one, so that errors can name them."""
 
 
 @dataclass(frozen=True)
@@ -58,14 +73,14 @@ class Scene:
 
     Attributes:
         name: Short name, such as `linear-08`.
-        title: One line for a person.
-        robot: One of `WORKSPACE_DIMENSION`.
-        formula: Text of the formula over the regions' names; the parser judges it.
-        horizon: Least length of an episode in steps.
+        title: One descriptive line.
+        robot: One of `envs.ENVS`.
+        formula: Text of the formula over the regions' names; checked by the parser.
+        horizon: T, the minimum length of an episode in steps.
         seed: Seed of the training.
         regions: In drawing order, names unique.
         initial: The set of initial positions (its name is not an atom).
-        variant: One of the robot's `VARIANTS`, empty for the robot as it is.
+        variant: One of the robot's `variants`, empty for the standard robot.
     """
 
     name: str
@@ -81,13 +96,10 @@ class Scene:
     def __post_init__(self):
         for field, longest in (("name", 80), ("title", 200), ("formula", LONGEST_FORMULA)):
             _check_text(field, getattr(self, field), longest)
-        if not isinstance(self.robot, str) or self.robot not in WORKSPACE_DIMENSION:
-            hint = allowed(self.robot, WORKSPACE_DIMENSION)
-            raise SceneError(f"robot: unknown {self.robot!r}. {hint}")
-        variants = VARIANTS.get(self.robot, ())
-        if self.variant != "" and self.variant not in variants:
-            known = allowed(self.variant, variants) if variants else "Allowed: none"
-            raise SceneError(f"variant: unknown {self.variant!r} of {self.robot!r}. {known}")
+        try:
+            make_robot(self.robot, self.variant)
+        except UserError as error:
+            raise SceneError(str(error)) from error
         _check_integer("horizon", self.horizon, 1, LARGEST_HORIZON)
         _check_integer("seed", self.seed, 0, LARGEST_SEED)
         self._check_regions()
@@ -109,7 +121,7 @@ class Scene:
     @property
     def dimension(self) -> int:
         """Dimension d of the space of the regions."""
-        return WORKSPACE_DIMENSION[self.robot]
+        return ENVS[self.robot].position_size
 
     @property
     def region_names(self) -> tuple[str, ...]:
@@ -117,13 +129,19 @@ class Scene:
         return tuple(region.name for region in self.regions)
 
 
+def robot_of(scene: Scene) -> Robot:
+    """The robot of a scene, in its variant."""
+    return make_robot(scene.robot, scene.variant)
+
+
 def load_scene(path: str | os.PathLike[str]) -> Scene:
-    """Read a scene file; every flaw is a SceneError that names the file and the field."""
+    """Read a scene file; every error is a SceneError that names the file and the field."""
     where = Path(path)
     try:
-        if where.stat().st_size > LARGEST_FILE:
-            raise SceneError(f"{where}: larger than {LARGEST_FILE:,} bytes")
-        text = where.read_text(encoding="utf-8")
+        with where.open(encoding="utf-8") as file:
+            text = file.read(LARGEST_FILE + 1)  # a device has no size
+        if len(text) > LARGEST_FILE:
+            raise SceneError(f"{where}: larger than {LARGEST_FILE:,} characters")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not UTF-8 text"
         raise SceneError(f"{where}: cannot be read: {reason}") from error
@@ -172,17 +190,17 @@ def load_task(name: str) -> Scene:
 def parse_scene(text: str, where: str) -> Scene:
     """Build a scene from TOML text; `where` names the source in errors."""
     try:
-        table = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # also integers of thousands of digits
-        raise SceneError(f"{where}: not valid TOML: {error}") from error
-    try:
-        return _scene_from(table)
-    except SceneError as error:
+        return _scene_from(read_toml(text))
+    except UserError as error:
         raise SceneError(f"{where}: {error}") from error
 
 
 def format_scene(scene: Scene) -> str:
-    """TOML text of a scene; `parse_scene` gives the same scene back."""
+    """TOML text of a scene; `parse_scene` returns the same scene.
+
+    Not written by tomli-w: it breaks every array over several lines, so that a region would take
+    ten lines instead of four, in files that people read and edit.
+    """
     lines = [f"format = {FORMAT}"]
     for field in ("name", "title", "robot"):
         lines.append(f"{field} = {_quoted(getattr(scene, field))}")
@@ -197,12 +215,13 @@ def format_scene(scene: Scene) -> str:
 
 
 def _shipped(robot: str | None = None) -> list[str]:
-    if robot is not None and robot not in WORKSPACE_DIMENSION:
-        raise SceneError(f"robot: unknown {robot!r}. {allowed(robot, WORKSPACE_DIMENSION)}")
+    if robot is not None and robot not in ENVS:
+        raise SceneError(f"robot: unknown {robot!r}. {allowed(robot, ENVS)}")
     names = []
-    for folder in [robot] if robot else sorted(WORKSPACE_DIMENSION):
-        files = sorted(entry.name for entry in resources.files("scenes").joinpath(folder).iterdir())
-        names += [f"{folder}-{file[:-5]}" for file in files if file.endswith(".toml")]
+    for name in [robot] if robot else sorted(ENVS):
+        folder = resources.files("scenes").joinpath(name)
+        files = sorted(entry.name for entry in folder.iterdir()) if folder.is_dir() else []
+        names += [f"{name}-{file[:-5]}" for file in files if file.endswith(".toml")]
     return names
 
 
@@ -211,44 +230,37 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
     if version != FORMAT or isinstance(version, bool):
         given = "is missing" if version is None else f"{version!r} is not known"
         raise SceneError(f"format: {given}; this program reads format = {FORMAT}")
-    required = tuple(field for field in _SCENE_FIELDS if field != "regions")
-    _check_fields(table, required, ("format", "regions", "variant"), "")
-    rows = table.get("regions", {})
-    if not isinstance(rows, dict):
-        raise SceneError("regions: must be tables [regions.NAME]")
-    regions = tuple(_region_from(name, row, f"regions.{name}") for name, row in rows.items())
-    values = {field: table[field] for field in _SCENE_FIELDS[:6]}
-    if isinstance(values["formula"], str):
-        values["formula"] = values["formula"].strip("\r\n")
-    initial = _region_from("initial", table["initial"], "initial")
-    variant = table.get("variant", "")
-    return Scene(**values, regions=regions, initial=initial, variant=variant)
+    read = typed(table, _SceneTable)
+    return Scene(
+        name=read.name,
+        title=read.title,
+        robot=read.robot,
+        formula=read.formula.strip("\r\n"),
+        horizon=read.horizon,
+        seed=read.seed,
+        regions=tuple(
+            _region_from(name, read.regions[name], f"regions.{name}") for name in read.regions
+        ),
+        initial=_region_from("initial", read.initial, "initial"),
+        variant=read.variant,
+    )
 
 
 def _region_from(name: str, table: Any, field: str) -> Region:
     if not isinstance(table, dict):
-        raise SceneError(f"{field}: must be a table with {', '.join(_REGION_FIELDS)}")
-    _check_fields(table, _REGION_FIELDS, ("color",), f"{field}.")
+        raise SceneError(
+            f"{field}: must be a table with {', '.join(_RegionTable.__struct_fields__)}"
+        )
+    read = typed(table, _RegionTable, f"{field}.")
     try:
-        return Region(name=name, **table)
+        return Region(name, read.kind, tuple(read.center), tuple(read.size), read.color)
     except SceneError as error:
         raise SceneError(f"{field}.{error}") from error
 
 
-def _check_fields(
-    table: Mapping[str, Any], required: tuple[str, ...], optional: tuple[str, ...], prefix: str
-) -> None:
-    for field in required:
-        if field not in table:
-            raise SceneError(f"{prefix}{field}: this field is missing")
-    for field in table:
-        if field not in required + optional:
-            raise SceneError(f"{prefix}{field}: unknown. {allowed(field, required + optional)}")
-
-
 def _check_text(field: str, value: object, longest: int) -> None:
     if not isinstance(value, str) or not value.strip():
-        raise SceneError(f"{field}: {value!r} must be text of at least one character")
+        raise SceneError(f"{field}: {value!r} must be non-empty text")
     if len(value) > longest:
         raise SceneError(f"{field}: {len(value):,} characters are too many: at most {longest:,}")
 
@@ -274,7 +286,7 @@ def _quoted(text: str) -> str:
 
 
 def _quoted_lines(text: str) -> str:
-    """A TOML string, spread over lines where the text is."""
+    """A TOML string, multi-line if the text is."""
     if "\n" not in text:
         return _quoted(text)
     return '"""\n' + "\n".join(_quoted(line)[1:-1] for line in text.split("\n")) + '\n"""'

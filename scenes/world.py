@@ -1,8 +1,8 @@
-"""The world that `core` moves in: regions behind atoms, distance fields behind subgoals.
+"""The world as `core` sees it: regions as atoms, distance fields of subgoals.
 
 `GridWorld` is static and hashable; `WorldArrays` is the data of one scene and formula. Only
-state formulas are known here: which of them are goals and which sets of them are obstacles at
-the same time is the caller's business.
+state formulas are known here: the caller decides which are goals and which sets of them are
+obstacles at the same time.
 """
 
 from collections.abc import Sequence
@@ -15,10 +15,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.stl import Formula, robustness, to_text
+from envs import Workspace
 from scenes.fields import Grid, geodesic_field, interpolate
 from scenes.margins import RegionArrays, margins_and_gradients, region_arrays
-from scenes.regions import SceneError
-from scenes.scene import Scene
+from scenes.regions import Region, SceneError
+from scenes.scene import Scene, robot_of
 
 
 class WorldArrays(NamedTuple):
@@ -28,7 +29,7 @@ class WorldArrays(NamedTuple):
     fields: np.ndarray  # [F, *grid, 1 + d] distance [m] and direction
     initial_low: np.ndarray  # [d] bounding box of the initial set [m]
     initial_high: np.ndarray  # [d]
-    initial_round: np.ndarray  # [] 1 for a circle or sphere
+    initial_round: np.ndarray  # [d] 1 for the axes in which it is a ball
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,13 @@ class GridWorld:
 
     Attributes:
         grid: Nodes of the fields.
-        clearance: Distance that planned ways keep from obstacles in [m].
-        inset: Depth in goals that planned ways aim at in [m].
+        clearance: Distance that planned paths keep from obstacles in [m].
+        inset: Depth inside goals that planned paths aim for in [m].
     """
 
     grid: Grid
-    clearance: float = 0.15
-    inset: float = 0.1
+    clearance: float
+    inset: float
 
     def margins(self, data: WorldArrays, position: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Margins [A] of the regions in [m] and their gradients [A, d] at a position [d]."""
@@ -55,30 +56,34 @@ class GridWorld:
         return value[0], value[1:]
 
     def sample_initial(self, data: WorldArrays, key: jax.Array) -> jax.Array:
-        """A position [d] of the initial set, uniform."""
+        """A position [d] of the initial set, uniform.
+
+        Every kind of region is a ball of k axes times a box of the others: a circle or sphere
+        has k = d, a cylinder k = 2, a rectangle or box k = 0. A ball's radius at a random point
+        is its own times the k-th root of a uniform number.
+        """
         box_key, angle_key, radius_key = jax.random.split(key, 3)
-        low, high = data.initial_low, data.initial_high
+        low, high, is_round = data.initial_low, data.initial_high, data.initial_round
         dimension = self.grid.dimension
         box = jax.random.uniform(box_key, (dimension,), minval=low, maxval=high)
-        direction = jax.random.normal(angle_key, (dimension,))
-        direction = direction / jnp.linalg.norm(direction)
-        radius = jax.random.uniform(radius_key) ** (1 / dimension)
+        direction = jax.random.normal(angle_key, (dimension,)) * is_round
+        direction = direction / jnp.maximum(jnp.linalg.norm(direction), 1e-9)
+        radius = jax.random.uniform(radius_key) ** (1 / jnp.maximum(is_round.sum(), 1))
         ball = (low + high) / 2 + (high - low) / 2 * radius * direction
-        return jnp.where(data.initial_round > 0, ball, box)
+        return jnp.where(is_round > 0, ball, box)
 
 
-PLANAR = GridWorld(Grid((-5.0, -5.0), 0.125, (81, 81)))
-"""The arena [-5, 5]^2 m of the planar robots."""
-
-AIRSPACE = GridWorld(Grid((-5.0, -5.0, 0.0), 0.3125, (33, 33, 17)), clearance=0.35, inset=0.15)
-"""The arena [-5, 5]^2 x [0, 5] m of the quadrotor."""
-
-TABLETOP = GridWorld(Grid((0.1, -0.7, 0.0), 0.04, (20, 36, 26)), clearance=0.03, inset=0.02)
-"""The space [0.1, 0.86] x [-0.7, 0.7] x [0, 1] m in front of the arm."""
+def make_world(workspace: Workspace) -> GridWorld:
+    """The world of a workspace: its grid begins at the arena's low corner and covers it."""
+    low, high = np.array(workspace.arena, float).T
+    cells = np.ceil((high - low) / workspace.spacing - 1e-9).astype(int)
+    grid = Grid(tuple(low.tolist()), workspace.spacing, tuple((cells + 1).tolist()))
+    return GridWorld(grid, workspace.clearance, workspace.inset)
 
 
-COURTYARD = GridWorld(Grid((-3.0, -3.0), 0.1, (61, 61)), clearance=0.2, inset=0.15)
-"""The arena [-3, 3]^2 m of the ant."""
+def world_of(scene: Scene) -> GridWorld:
+    """The world that a scene's robot moves in."""
+    return make_world(robot_of(scene).workspace)
 
 
 class GoalGeometry(NamedTuple):
@@ -102,8 +107,18 @@ def world_arrays(scene: Scene, capacity: int, fields: np.ndarray) -> WorldArrays
         fields,
         center - half,
         center + half,
-        np.asarray(initial.kind in ("circle", "sphere"), np.float32),
+        _round_axes(initial),
     )
+
+
+def _round_axes(region: Region) -> np.ndarray:
+    """[d] 1 for the axes in which a region is a ball, 0 for those in which it is a box."""
+    match region.kind:
+        case "circle" | "sphere":
+            return np.ones(region.dimension, np.float32)
+        case "cylinder":
+            return np.array([1.0, 1.0, 0.0], np.float32)
+    return np.zeros(region.dimension, np.float32)
 
 
 def goal_geometry(
@@ -112,6 +127,7 @@ def goal_geometry(
     goals: Sequence[Formula],
     obstacles: Sequence[Sequence[Formula]],
     samples: int,
+    spared: Sequence[bool] = (),
 ) -> GoalGeometry:
     """Fields, sample positions and distances of the subgoals of a formula.
 
@@ -121,9 +137,11 @@ def goal_geometry(
         goals: the state formula of each subgoal [G].
         obstacles: for each combination [M], the state formulas that must keep holding.
         samples: number of positions per subgoal.
+        spared: for each subgoal [G] whether it may hold nowhere on the grid; the node nearest to
+            it then stands for it. None may unless given.
 
     Raises:
-        SceneError: a subgoal holds nowhere on the workspace's grid.
+        SceneError: a subgoal that is not spared holds nowhere on the workspace's grid.
     """
     grid = world.grid
     nodes = grid.nodes()
@@ -143,10 +161,11 @@ def goal_geometry(
         [[_field(world, margin, ~(margin > 0) & b) for b in blocked] for margin in goal_margin]
     )
     random = np.random.default_rng(scene.seed)
-    for goal, margin in zip(goals, goal_margin, strict=True):
-        if margin.max() < -grid.spacing:
+    for i, (goal, margin) in enumerate(zip(goals, goal_margin, strict=True)):
+        if margin.max() < -grid.spacing and not (spared and spared[i]):
             raise SceneError(
-                f"{scene.name}: no position of the workspace satisfies {to_text(goal)}"
+                f"{scene.name}: no position in the workspace satisfies {to_text(goal)}; the "
+                f"arena extends from {nodes.min(0).tolist()} to {nodes.max(0).tolist()} m"
             )
     points = [_sample_inside(nodes, m, blocked[0], samples, random) for m in goal_margin]
     center = [nodes[m.argmax()] for m in goal_margin]
@@ -175,7 +194,7 @@ def _field(world: GridWorld, goal: np.ndarray, blocked: np.ndarray) -> np.ndarra
 
 
 def _sample_inside(nodes, margin, blocked, samples, random) -> np.ndarray:
-    """Random nodes [S, d] in a goal, in its free part if there is one."""
+    """Random nodes [S, d] in a goal, in its unblocked part if there is one."""
     for candidates in ((margin >= 0) & ~blocked, margin >= 0, margin == margin.max()):
         if candidates.any():
             return nodes[random.choice(np.flatnonzero(candidates), samples)]
