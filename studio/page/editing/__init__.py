@@ -1,0 +1,1 @@
+"""Editing a scene: pointer, selection, undo, and the verdict on its formula."""

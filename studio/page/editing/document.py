@@ -1,0 +1,223 @@
+"""The scene being edited, with one undo and redo stack shared by all clients.
+
+Every edit leads from one valid `Scene` to another or is refused as a whole. Not thread-safe: one
+thread edits, others read `scene`, which is replaced and never mutated.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from core.errors import UserError
+from core.task.grounding import MAX_ATOMS
+from envs import ENVS
+from scenes import Region, Scene
+from scenes.regions import LONGEST_NAME, allowed
+from studio.page.editing.history import History
+from studio.page.editing.meaning import differences
+from studio.page.editing.renaming import rename_in_formula
+
+SHIFT = 0.4
+"""Offset of a duplicate from its original along x and y, in robot lengths."""
+
+
+class EditError(UserError):
+    """An edit that is refused; the document is unchanged."""
+
+
+class Document:
+    """A scene and its history.
+
+    Edits take an optional `gesture`: consecutive edits with the same one are one undo step.
+    """
+
+    def __init__(self, scene: Scene, *, saved: bool = True) -> None:
+        self._history = History(scene)
+        self._saved = scene if saved else None
+
+    @property
+    def scene(self) -> Scene:
+        """The current scene."""
+        return self._history.present
+
+    @property
+    def revision(self) -> int:
+        """Counts the changes of the scene."""
+        return self._history.revision
+
+    @property
+    def modified(self) -> bool:
+        """Whether the scene differs from what was last opened or saved."""
+        return self.scene != self._saved
+
+    @property
+    def undo_label(self) -> str | None:
+        """What `undo` would undo; None if nothing."""
+        return self._history.undo_label
+
+    @property
+    def redo_label(self) -> str | None:
+        """What `redo` would redo; None if nothing."""
+        return self._history.redo_label
+
+    def undo(self) -> str | None:
+        """Undo the last step; returns its label, None if there is none."""
+        return self._history.undo()
+
+    def redo(self) -> str | None:
+        """Redo the step that was last undone; returns its label, None if there is none."""
+        return self._history.redo()
+
+    def mark_saved(self, scene: Scene | None = None) -> None:
+        """Remember that a scene was saved, by default the current one."""
+        self._saved = self.scene if scene is None else scene
+
+    def matches(self, trained: Scene) -> bool:
+        """Whether what is learnt on a scene applies to this one; see `meaning`."""
+        return not differences(trained, self.scene)
+
+    def region(self, name: str) -> Region:
+        """The region with a name.
+
+        Raises:
+            EditError: there is none.
+        """
+        for region in self.scene.regions:
+            if region.name == name:
+                return region
+        raise EditError(f"region: unknown {name!r}. {allowed(name, self.scene.region_names)}")
+
+    def replace(self, scene: Scene, label: str) -> None:
+        """Replace this scene by another, as a step that can be undone."""
+        self._record(label, scene)
+
+    def add(
+        self,
+        kind: str,
+        center: Sequence[float],
+        size: Sequence[float],
+        *,
+        prefix: str = "A",
+        color: str | None = None,
+    ) -> str:
+        """Add a region under the first free name, A1, A2, ...; returns the name."""
+        name = free_name(prefix, self.scene.region_names)
+        return self._add(f"add {name}", Region(name, kind, tuple(center), tuple(size), color))
+
+    def duplicate(self, name: str) -> str:
+        """Add a copy of a region, slightly offset; returns its name."""
+        region, shift = self.region(name), SHIFT * ENVS[self.scene.robot].length
+        copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.region_names)
+        x, y, *rest = region.center
+        moved = replace(region, name=copy, center=(x + shift, y - shift, *rest))
+        return self._add(f"duplicate {name}", moved)
+
+    def move(self, name: str, center: Sequence[float], gesture: str | None = None) -> None:
+        """Move a region's center [m]."""
+        region = replace(self.region(name), center=tuple(center))
+        self._change(f"move {name}", name, region, gesture)
+
+    def resize(
+        self,
+        name: str,
+        size: Sequence[float],
+        center: Sequence[float] | None = None,
+        gesture: str | None = None,
+    ) -> None:
+        """Change a region's size [m], and its center if a corner stays fixed."""
+        region = self.region(name)
+        center = region.center if center is None else tuple(center)
+        resized = replace(region, size=tuple(size), center=center)
+        self._change(f"resize {name}", name, resized, gesture)
+
+    def reshape(self, name: str, kind: str, center: Sequence[float], size: Sequence[float]) -> None:
+        """Change the kind of a region."""
+        region = replace(self.region(name), kind=kind, center=tuple(center), size=tuple(size))
+        self._change(f"change {name}", name, region)
+
+    def recolor(self, name: str, color: str | None, gesture: str | None = None) -> None:
+        """Change a region's colour, `#rrggbb`; None for the viewer's choice."""
+        region = replace(self.region(name), color=color)
+        self._change(f"recolour {name}", name, region, gesture)
+
+    def rename(self, name: str, new: str) -> None:
+        """Rename a region, in the formula too."""
+        region = self.region(name)
+        names = self.scene.region_names
+        if new != name and new in names:
+            raise EditError(f"name: {new!r} is already the name of another region")
+        renamed = replace(region, name=new)
+        formula = rename_in_formula(
+            self.scene.formula,
+            name,
+            new,
+            names=names,
+            dt=ENVS[self.scene.robot].dt,
+            horizon=self.scene.horizon,
+        )
+        regions = tuple(renamed if each is region else each for each in self.scene.regions)
+        scene = replace(self.scene, formula=formula, regions=regions)
+        self._record(f"rename {name} to {new}", scene)
+
+    def delete(self, name: str) -> None:
+        """Remove a region; a formula that names it stays and becomes invalid."""
+        region = self.region(name)
+        regions = tuple(each for each in self.scene.regions if each is not region)
+        self._record(f"delete {name}", replace(self.scene, regions=regions))
+
+    def set_initial(
+        self,
+        *,
+        kind: str | None = None,
+        center: Sequence[float] | None = None,
+        size: Sequence[float] | None = None,
+        gesture: str | None = None,
+    ) -> None:
+        """Change the initial set; values that are not given stay."""
+        old = self.scene.initial
+        initial = replace(
+            old,
+            kind=kind or old.kind,
+            center=old.center if center is None else tuple(center),
+            size=old.size if size is None else tuple(size),
+        )
+        self._record("change the initial set", replace(self.scene, initial=initial), gesture)
+
+    def set_formula(self, text: str, gesture: str | None = None) -> None:
+        """Change the text of the formula, valid or not."""
+        self._record("edit the formula", replace(self.scene, formula=text), gesture)
+
+    def set_horizon(self, steps: int, gesture: str | None = None) -> None:
+        """Change the scene's horizon, the minimum length of an episode."""
+        self._record("change the horizon", replace(self.scene, horizon=steps), gesture)
+
+    def set_seed(self, seed: int, gesture: str | None = None) -> None:
+        """Change the seed of the training."""
+        self._record("change the seed", replace(self.scene, seed=seed), gesture)
+
+    def set_title(self, title: str, gesture: str | None = None) -> None:
+        """Change the line that describes the scene."""
+        self._record("change the title", replace(self.scene, title=title), gesture)
+
+    def _add(self, label: str, region: Region) -> str:
+        if len(self.scene.regions) >= MAX_ATOMS:
+            raise EditError(f"a scene has at most {MAX_ATOMS} regions; delete one first")
+        regions = (*self.scene.regions, region)
+        self._record(label, replace(self.scene, regions=regions))
+        return region.name
+
+    def _change(self, label: str, name: str, region: Region, gesture: str | None = None) -> None:
+        regions = tuple(region if each.name == name else each for each in self.scene.regions)
+        self._record(label, replace(self.scene, regions=regions), gesture)
+
+    def _record(self, label: str, scene: Scene, gesture: str | None = None) -> None:
+        # The label separates two regions that are dragged in what the client calls one gesture.
+        self._history.record(label, scene, gesture and f"{label} {gesture}")
+
+
+def free_name(prefix: str, taken: Sequence[str]) -> str:
+    """The first of A1, A2, ... that is not taken."""
+    number = 1
+    while (name := f"{prefix[: LONGEST_NAME - len(str(number))]}{number}") in taken:
+        number += 1
+    return name

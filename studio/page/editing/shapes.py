@@ -1,0 +1,156 @@
+"""From pointer to region: drawing by dragging on the floor, handles, and the grid they snap to.
+
+Positions are in [m], d = 2 or 3. A shape is drawn on the floor (z = 0) and stands on it. A unit
+is the length of the robot, so that shapes on a table are smaller than those in an arena.
+"""
+
+import math
+from itertools import product
+from typing import NamedTuple
+
+from scenes import Region
+
+SMALLEST = 0.05
+"""Smallest half extent or radius that the pointer can give a region, in units."""
+
+HALF_HEIGHT = 0.5
+"""Half the height of a new box or cylinder, in units."""
+
+Position = tuple[float, ...]
+
+
+class Outline(NamedTuple):
+    """Center and size of a region [m]."""
+
+    center: Position
+    size: Position
+
+
+def snap(values: Position, step: float) -> Position:
+    """Nearest points of a grid with this step [m]; no grid for a step of 0."""
+    if step <= 0:
+        return tuple(float(value) for value in values)
+    return tuple(round(round(value / step) * step, 9) for value in values)
+
+
+def drawn(
+    kind: str, start: Position, end: Position, step: float = 0.0, unit: float = 1.0
+) -> Outline | None:
+    """The region that a drag on the floor draws.
+
+    A rectangle or box spans the drag; a circle, sphere or cylinder has its axis at the start and
+    the end on its rim.
+
+    Args:
+        kind: of region.
+        start: (x, y) where the drag began.
+        end: (x, y) where it is now.
+        step: of the grid [m].
+        unit: [m].
+
+    Returns:
+        None for a drag that is too short to draw a region.
+    """
+    start, end = snap(start[:2], step), snap(end[:2], step)
+    smallest, half_height = SMALLEST * unit, HALF_HEIGHT * unit
+    if math.dist(start, end) < 2 * smallest:
+        return None
+    if kind in ("rectangle", "box"):
+        center = tuple((a + b) / 2 for a, b in zip(start, end, strict=True))
+        size = tuple(max(abs(a - b) / 2, smallest) for a, b in zip(start, end, strict=True))
+    else:
+        center, size = start, snap((math.dist(start, end),), step)
+    match kind:
+        case "box" | "cylinder":
+            return Outline((*center, half_height), (*size, half_height))
+        case "sphere":
+            return Outline((*center, size[0]), size)
+    return Outline(center, size)
+
+
+def handles(region: Region) -> tuple[Position, ...]:
+    """Points by which the region can be resized.
+
+    Corners of a rectangle; in all other cases points on the axes, low and high on x, then on y,
+    then on z: of a circle or sphere, the middles of a box's faces, a cylinder's rim and its ends.
+    """
+    center, size = region.center, region.size
+    if region.kind == "rectangle":
+        corners = product(*((-half, half) for half in size))
+        return tuple(_plus(center, corner) for corner in corners)
+    return _axis_points(center, half_extents(region))
+
+
+def axis_of(handle: int) -> int:
+    """Axis along which a handle of a region in space is dragged: 0, 1 or 2."""
+    return handle // 2
+
+
+def resized(
+    region: Region, handle: int, position: Position, step: float = 0.0, unit: float = 1.0
+) -> Outline:
+    """The region after one of its `handles` was dragged to a position.
+
+    The opposite corner of a rectangle, the opposite face of a box, the axis of a round region and
+    the other end of a cylinder stay where they are.
+
+    Args:
+        region: as it was before the drag.
+        handle: index.
+        position: of the pointer [m].
+        step: of the grid [m].
+        unit: [m].
+    """
+    position = snap(position, step)
+    center, size = region.center, region.size
+    grabbed, smallest = handles(region)[handle], SMALLEST * unit
+    if region.kind == "rectangle":
+        axes = zip(center, size, grabbed, position, strict=True)
+        spans = [_span(*axis, smallest) for axis in axes]
+        return Outline(tuple(span[0] for span in spans), tuple(span[1] for span in spans))
+    axis = axis_of(handle)
+    if region.kind == "box" or (region.kind == "cylinder" and axis == 2):
+        entry = axis if region.kind == "box" else 1
+        middle, half = _span(center[axis], size[entry], grabbed[axis], position[axis], smallest)
+        return Outline(_with(center, axis, middle), _with(size, entry, half))
+    flat = 2 if region.kind == "cylinder" else len(center)
+    radius = max(snap((math.dist(center[:flat], position[:flat]),), step)[0], smallest)
+    return Outline(center, (radius, *size[1:]))
+
+
+def half_extents(region: Region) -> Position:
+    """Half extents along the axes [d]."""
+    match region.kind:
+        case "rectangle" | "box":
+            return region.size
+        case "cylinder":
+            return region.size[0], region.size[0], region.size[1]
+    return (region.size[0],) * region.dimension
+
+
+def _with(values: Position, index: int, value: float) -> Position:
+    return (*values[:index], value, *values[index + 1 :])
+
+
+def _span(
+    center: float, half: float, grabbed: float, position: float, smallest: float
+) -> tuple[float, float]:
+    """Middle and half length of an interval after one end was dragged, the other fixed."""
+    side = 1.0 if grabbed > center else -1.0
+    fixed = center - side * half
+    new = max(side * (position - fixed) / 2, smallest)
+    return fixed + side * new, new
+
+
+def _axis_points(center: Position, reach: Position) -> tuple[Position, ...]:
+    points = []
+    for axis, length in enumerate(reach):
+        for side in (-1.0, 1.0):
+            offset = [0.0] * len(center)
+            offset[axis] = side * length
+            points.append(_plus(center, tuple(offset)))
+    return tuple(points)
+
+
+def _plus(center: Position, offset: Position) -> Position:
+    return tuple(a + b for a, b in zip(center, offset, strict=True))

@@ -1,0 +1,1 @@
+"""Files that a user saves or opens: projects, bundles, rollouts, pictures."""

@@ -1,0 +1,77 @@
+"""What the robot's weights have to say of the scene, and the plans of other kinds to choose."""
+
+from core.decompose import Kind
+from studio.page.panels.html import note
+from studio.page.session import Session
+from studio.runs.recording import Recording
+
+
+def plan_html(session: Session) -> str:
+    """A sentence on the plan that is shown without training; empty where there is none."""
+    moved = moved_html(session)
+    if moved:
+        return moved
+    planned, found = session.planner.training, session.analyst.answer
+    if planned is None or session.subject is not planned:
+        return ""
+    if found is None or found.subject.training is not planned.identity:
+        if session.analyst.error:
+            return ""
+        waiting = "Planning…" if found is not None else "Preparing the first plan…"
+        return f'<div class="tg tg-plan tg-dim">{waiting}</div>'
+    if found.seconds is None:
+        return ""
+    recording = found.recordings[0]
+    if not recording.satisfied:
+        why = recording.diagnosis.sentence
+        return note(f"No plan found without training: {why} Train.", "warn")
+    return (
+        f'<div class="tg tg-plan">Planned without training in {found.seconds:.2f} s'
+        f"{_share(session)}</div>"
+    )
+
+
+def moved_html(session: Session) -> str:
+    """A sentence on a rollout whose robot was moved; empty for every other one."""
+    held, found, shown = session.hand.held, session.analyst.answer, session.player.recording
+    if held is not None:
+        doing = "Planning anew…" if held.released else f"Moved at step {held.step}…"
+        return f'<div class="tg tg-plan tg-dim">{doing}</div>'
+    if found is None or found.moved is None or shown is None or shown is not found.recordings[0]:
+        return ""
+    step, falsified, seconds = found.moved
+    why = shown.diagnosis.sentence.removeprefix("Violated: ")
+    if falsified is not None:
+        text = f"Moved at step {step}. Nothing can satisfy the formula any more: {why}"
+        return note(text, "warn")
+    if not shown.satisfied:
+        text = f"Moved at step {step}; no continuation was found in {seconds:.2f} s: {why}"
+        return note(text, "warn")
+    return (
+        f'<div class="tg tg-plan">Moved at step {step}; planned anew in {seconds:.2f} s: '
+        "satisfied.</div>"
+    )
+
+
+def alternatives(session: Session) -> tuple[tuple[str, Recording], ...]:
+    """Name and rollout of the plan and of each other kind of plan; empty where there is one."""
+    found = session.analyst.answer
+    if found is None or not found.alternatives:
+        return ()
+    plans = (found.recordings[0], *found.alternatives)
+    return tuple((order_text(plan), plan) for plan in plans)
+
+
+def order_text(recording: Recording) -> str:
+    """The goals in the order in which their windows begin: `A2 → A1`."""
+    goals = [outcome for outcome in recording.outcomes if outcome.kind is not Kind.INVARIANT]
+    goals.sort(key=lambda outcome: outcome.start)
+    names = [goal.predicate for goal in goals if goal.end >= goal.start]
+    return " → ".join(dict.fromkeys(names)) or "plan"
+
+
+def _share(session: Session) -> str:
+    share, found = session.analyst.share, session.analyst.answer
+    if share is None or found is None or share.subject is not found.subject:
+        return "."
+    return f"; {share.succeeded} of {share.starts} starts succeed."

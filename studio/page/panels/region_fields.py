@@ -1,0 +1,171 @@
+"""Exact values of the selected region: name, kind, center, size, colour."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import viser
+
+from scenes import Region
+from scenes.regions import SHAPES
+from studio.page.editing.editor import INITIAL, TOOLS
+from studio.page.session import Session
+from studio.page.views.regions import region_look
+from studio.page.views.roles import roles
+from studio.page.views.solids import rgb
+
+FINE = 0.05
+"""Step of the fields' arrows, in robot lengths."""
+
+DIGITS = 3
+"""Decimal places of the fields: millimetres."""
+
+PAUSE = 0.6
+"""Pause in typing after which a name is applied and an undo step ends [s]."""
+
+SIZE_LABEL = {
+    "circle": "Radius",
+    "sphere": "Radius",
+    "rectangle": "Half size",
+    "box": "Half size",
+    "cylinder": "Radius, half h.",
+}
+
+
+class RegionFields:
+    """Shown while something is selected. Invalid values are refused and the field is restored."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session) -> None:
+        self._session = session
+        self._name = gui.add_text("Name", "", visible=False)
+        self._kind = gui.add_dropdown("Kind", list[str](["circle"]), visible=False)
+        self._centers = {
+            2: gui.add_vector2("Center", (0.0, 0.0), step=FINE, visible=False),
+            3: gui.add_vector3("Center", (0.0, 0.0, 0.0), step=FINE, visible=False),
+        }
+        self._sizes = {
+            1: gui.add_number("Radius", 1.0, min=0.001, step=FINE, visible=False),
+            2: gui.add_vector2("Half size", (1.0, 1.0), step=FINE, visible=False),
+            3: gui.add_vector3("Half size", (1.0, 1.0, 1.0), step=FINE, visible=False),
+        }
+        self._color = gui.add_rgb("Colour", (0, 0, 0), visible=False)
+        self._renaming: tuple[str, float] | None = None
+        self._spell, self._touched = 0, 0.0
+        for field in (*self._centers.values(), *self._sizes.values()):
+            field.precision = DIGITS
+        self._on_update(self._name, self._type_name)
+        self._on_update(self._kind, self._reshape)
+        self._on_update(self._color, self._recolor)
+        for field in self._centers.values():
+            self._on_update(field, self._move)
+        for field in self._sizes.values():
+            self._on_update(field, self._resize)
+
+    def draw(self, session: Session) -> None:
+        """Show the values of the selected region."""
+        self._session = session
+        if self._renaming is not None and time.monotonic() >= self._renaming[1]:
+            (name, _), self._renaming = self._renaming, None
+            session.post(partial(self._rename, name))
+        region, selection = session.editor.selected, session.editor.selection
+        fields = (*self._centers.values(), *self._sizes.values(), self._kind)
+        shown = [] if region is None else self._show_shape(region)
+        for field in fields:
+            _set(field, "visible", field in shown)
+        named = region is not None and selection != INITIAL
+        _set(self._name, "visible", named)
+        _set(self._color, "visible", named)
+        if region is not None and named:
+            if self._renaming is None:
+                _set(self._name, "value", region.name)
+            _set(self._color, "value", rgb(self._shown_color(region)))
+
+    def _show_shape(self, region: Region) -> list[Any]:
+        """Fill and return the fields that the region's shape needs."""
+        center, size = self._centers[len(region.center)], self._sizes[len(region.size)]
+        for field in (center, size):
+            _set(field, "step", FINE * self._session.editor.unit)
+        _set(center, "value", region.center)
+        _set(size, "value", region.size[0] if len(region.size) == 1 else region.size)
+        _set(size, "label", SIZE_LABEL[region.kind])
+        _set(self._kind, "options", tuple(TOOLS[region.dimension][1:]))
+        _set(self._kind, "value", region.kind)
+        return [center, size, self._kind]
+
+    def _shown_color(self, region: Region) -> str:
+        scene = self._session.document.scene
+        found = roles(scene.region_names, self._session.specification.decomposition)
+        return region.color or region_look(region, found[region.name]).color
+
+    def _on_update(self, field: Any, change: Callable[[Any], None]) -> None:
+        @field.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                self._session.post(partial(change, event.target.value))
+
+    def _type_name(self, name: str) -> None:
+        self._renaming = (name, time.monotonic() + PAUSE)
+
+    def _rename(self, name: str) -> None:
+        editor, document = self._session.editor, self._session.document
+        name = name.strip()
+        if editor.selection and name != editor.selection:
+            document.rename(editor.selection, name)
+            editor.selection = name
+
+    def _reshape(self, kind: str) -> None:
+        region = self._session.editor.selected
+        if region is None or kind == region.kind or kind not in SHAPES:
+            return
+        size = _size_for(kind, region.size)
+        if self._session.editor.selection == INITIAL:
+            self._session.document.set_initial(kind=kind, size=size)
+        else:
+            self._session.document.reshape(region.name, kind, region.center, size)
+
+    def _recolor(self, value: tuple[int, int, int]) -> None:
+        name, color = self._session.editor.selection, "#{:02x}{:02x}{:02x}".format(*value)
+        if name:
+            self._session.document.recolor(name, color, gesture=self._gesture())
+
+    def _move(self, value: tuple[float, ...]) -> None:
+        self._change(center=tuple(map(float, value)))
+
+    def _resize(self, value: float | tuple[float, ...]) -> None:
+        size = value if isinstance(value, tuple) else (value,)
+        self._change(size=tuple(map(float, size)))
+
+    def _gesture(self) -> str:
+        """Changes in quick succession are one undo step."""
+        now = time.monotonic()
+        self._spell += now - self._touched > PAUSE
+        self._touched = now
+        return f"fields {self._spell}"
+
+    def _change(
+        self, center: tuple[float, ...] | None = None, size: tuple[float, ...] | None = None
+    ) -> None:
+        region, document = self._session.editor.selected, self._session.document
+        if region is None:
+            return
+        if self._session.editor.selection == INITIAL:
+            document.set_initial(center=center, size=size, gesture=self._gesture())
+        elif center is not None:
+            document.move(region.name, center, gesture=self._gesture())
+        elif size is not None:
+            document.resize(region.name, size, gesture=self._gesture())
+
+
+def _size_for(kind: str, size: tuple[float, ...]) -> tuple[float, ...]:
+    """The size for another kind of region, keeping as much as possible [m]."""
+    count = len(SHAPES[kind].sizes)
+    if count == 2 and SHAPES[kind].dimension == 3:
+        return size[0], size[-1]
+    return (*size, *[size[-1]] * count)[:count]
+
+
+def _set(field: Any, name: str, value: Any) -> None:
+    """Send only what changes."""
+    if getattr(field, name) != value:
+        setattr(field, name, value)

@@ -1,0 +1,1 @@
+"""Rollouts on screen: the one that plays, its playhead, and the ghosts."""

@@ -1,0 +1,1 @@
+"""Between the browser and the page: access control, uploads, clicks."""

@@ -1,0 +1,79 @@
+"""Depth cues in 3D: the edges of the workspace, and lines from regions to the ground."""
+
+import numpy as np
+import viser
+
+from envs import ENVS
+from scenes import Region, Scene
+from studio.page.session import Session
+from studio.page.views.outlines import outline
+from studio.page.views.walls import Limits, hall, wall_of
+
+EDGE, DROP = (206, 212, 218), (150, 158, 168)
+ABOVE = 0.01
+"""Height of footprints above the ground, in robot lengths."""
+
+
+class FrameView:
+    """Nodes `/frame/edges` and `/frame/drops`, for robots in 3D."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._server = server
+        self._drawn: tuple | None = None
+
+    def draw(self, session: Session) -> None:
+        """Follow the regions."""
+        scene = session.document.scene
+        current = scene.robot, scene.regions, scene.initial
+        if current == self._drawn:
+            return
+        self._drawn = current
+        with self._server.atomic():
+            self._server.scene.remove_by_name("/frame")
+            if scene.dimension == 3:
+                self._show(scene)
+
+    def _show(self, scene: Scene) -> None:
+        limits = ENVS[scene.robot].workspace.arena
+        inside = hall(scene.regions, limits)
+        ground = inside[2][0] + ABOVE * ENVS[scene.robot].length
+        floating = [
+            region for region in (*scene.regions, scene.initial) if wall_of(region, limits) is None
+        ]
+        drops = [drop(region, ground) for region in floating]
+        self._line("edges", _edges(inside), EDGE)
+        self._line("drops", np.concatenate(drops), DROP)
+
+    def _line(self, name: str, segments: np.ndarray, color: tuple[int, int, int]) -> None:
+        if len(segments):
+            self._server.scene.add_line_segments(
+                f"/frame/{name}",
+                segments.astype(np.float32),
+                color,
+                thickness=1.5,
+                thickness_units="screen",
+            )
+
+
+def drop(region: Region, ground: float) -> np.ndarray:
+    """Segments [n, 2, 3]: footprint at a height [m] and the line to it; none if it stands there."""
+    x, y, z = region.center
+    bottom = z - region.size[-1]
+    if bottom <= ground:
+        return np.zeros((0, 2, 3))
+    angular = region.kind == "box"
+    flat = Region(
+        region.name,
+        "rectangle" if angular else "circle",
+        (x, y),
+        region.size[:2] if angular else region.size[:1],
+    )
+    way = np.array([[[x, y, bottom], [x, y, ground]]])
+    return np.concatenate([outline(flat, ground), way])
+
+
+def _edges(limits: Limits) -> np.ndarray:
+    """Edges [12, 2, 3] of the hall."""
+    center = tuple((low + high) / 2 for low, high in limits)
+    half = tuple((high - low) / 2 for low, high in limits)
+    return outline(Region("hall", "box", center, half), 0.0)
