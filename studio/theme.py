@@ -6,7 +6,7 @@ BRAND = (30, 96, 145)
 
 MONO = "ui-monospace, SFMono-Regular, Menlo, Consolas, 'DejaVu Sans Mono', monospace"
 MONO_WIDTH = 0.602
-"""Width of a character of `MONO` over the size of its font."""
+"""Width of a character of `MONO`, relative to the font size."""
 
 GOOD, BAD, TIME, MUTED = "#2b8a3e", "#c92a2a", "#c2255c", "var(--mantine-color-dimmed)"
 TRAIL = (247, 103, 7)
@@ -19,7 +19,7 @@ KIND_FILL = {Kind.REACH: "#dcecf8", Kind.STAY: "#d9f2f3", Kind.INVARIANT: "#f8e9
 
 
 def themed(name: str, light: str) -> str:
-    """A colour of the light theme, and whatever `STYLE` calls `--tg-<name>` in the dark one."""
+    """A colour of the light theme; in the dark theme, what `STYLE` calls `--tg-<name>`."""
     return f"var(--tg-{name}, {light})"
 
 
@@ -31,7 +31,8 @@ STYLE = """
   --tg-holding: #1d3323; --tg-met: #24512f; --tg-violated: #5c2323; }
 [data-mantine-color-scheme="dark"] .tg-error { background: #3b1d1d; color: #ffb3b3; }
 [data-mantine-color-scheme="dark"] .tg-warn { background: #3a2a10; color: #ffd591; }
-[data-mantine-color-scheme="dark"] .tg-tour { background: #142c3d; color: #b5d9f2; }
+[data-mantine-color-scheme="dark"] .tg-tour,
+[data-mantine-color-scheme="dark"] .tg-info { background: #142c3d; color: #b5d9f2; }
 [data-mantine-color-scheme="dark"] [role="tab"][data-active] { color: #74b6e4; }
 .tg { padding: 0 0.75em 0.6em; font-size: 0.875em; line-height: 1.45;
   color: var(--mantine-color-text); }
@@ -46,6 +47,10 @@ STYLE = """
 .tg-error { border-color: #c92a2a; background: #fff0f0; color: #8f1d1d; }
 .tg-error pre { white-space: pre; overflow-x: auto; }
 .tg-warn { border-color: #e8890c; background: #fff6e6; color: #7a4a05; }
+.tg-info { border-color: #1e6091; background: #eaf3fa; color: #17445f; }
+.tg-english { margin: 0; padding: 0 0 0 1.1em; max-height: 15em; overflow-y: auto;
+  overflow-wrap: anywhere; list-style: disc; }
+.tg-english li + li { margin-top: 0.15em; }
 .tg-scroll { overflow-x: auto; }
 .tg-badge { display: inline-block; border-radius: 999px; padding: 0.1em 0.75em; font-weight: 600;
   color: #fff; }
@@ -104,4 +109,4 @@ STYLE = """
 .tg-heat image { cursor: crosshair; image-rendering: pixelated; }
 </style>
 """
-"""Added to the page once. Classes of the page's own start with `tg`."""
+"""Added to the page once. The page's own classes start with `tg`."""

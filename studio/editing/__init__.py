@@ -1,1 +1,0 @@
-"""The scene that is being edited: pointer, selection, undo, and its formula judged."""

@@ -1,1 +1,0 @@
-"""Files that a person keeps or brings: projects, bundles, rollouts, pictures."""

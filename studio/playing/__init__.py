@@ -1,1 +1,0 @@
-"""Rollouts on screen: recordings, the playhead, and those kept beside it."""

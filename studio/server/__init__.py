@@ -1,1 +1,0 @@
-"""What stands between the browser and the page: access, uploads, clicks."""
