@@ -42,7 +42,7 @@ def _run(installed, tmp_path, *arguments):
 def test_the_wheel_s_own_modules_load_its_tasks(installed, tmp_path):
     code = (
         "import core, scenes\n"
-        "from studio.tasks import build_task\n"
+        "from studio.runs.tasks import build_task\n"
         "task = build_task(scenes.load_task('unicycle-10'))\n"
         "print(core.__file__, task.horizon, len(scenes.task_names()))"
     )

@@ -1,11 +1,11 @@
-"""Independent oracle for decompositions: recursive semantics, and every schedule tried.
+"""Independent oracle for decompositions: every schedule tried, by the reference semantics.
 
 Nothing here is taken from the code under test but the fields of its data.
 """
 
 import itertools
+import math
 from collections.abc import Callable
-from functools import cache
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from core.stl import (
     Always,
     And,
     Atom,
-    Constant,
     Eventually,
     Formula,
     Implies,
@@ -24,46 +23,14 @@ from core.stl import (
     Until,
     walk,
 )
+from tests.core.stl.reference import reference_robustness
 
 ATOMS = ("A", "B", "C")
-Trace = dict[str, list[int]]
 Integer = Callable[[int, int], int]
 
 
-def brute_robustness(formula: Formula, trace: Trace) -> Callable[[int], float]:
-    """Robustness at a step by the recursive definition (paper Eq. 2, `true` as +inf)."""
-
-    @cache
-    def rho(node: Formula, t: int) -> float:  # noqa: PLR0911 - one a construct
-        match node:
-            case Constant(value=value):
-                return np.inf if value else -np.inf
-            case Atom(name=name):
-                return trace[name][t]
-            case Not(operand=operand):
-                return -rho(operand, t)
-            case And(operands=operands):
-                return min(rho(operand, t) for operand in operands)
-            case Or(operands=operands):
-                return max(rho(operand, t) for operand in operands)
-            case Implies(left=left, right=right):
-                return max(-rho(left, t), rho(right, t))
-            case Eventually(interval=(a, b), operand=operand):
-                return max(rho(operand, t + k) for k in range(a, b + 1))
-            case Always(interval=(a, b), operand=operand):
-                return min(rho(operand, t + k) for k in range(a, b + 1))
-            case Until(interval=(a, b), left=left, right=right):
-                return max(
-                    min(rho(right, t + k), *(rho(left, t + i) for i in range(k + 1)))
-                    for k in range(a, b + 1)
-                )
-        raise TypeError(node)
-
-    return lambda t: rho(formula, t)
-
-
 def schedule_count(decomposition: Decomposition) -> int:
-    return int(np.prod([v.high - v.low + 1 for v in decomposition.variables], dtype=np.int64))
+    return math.prod(v.high - v.low + 1 for v in decomposition.variables)
 
 
 def all_schedules(decomposition: Decomposition) -> np.ndarray:
@@ -73,19 +40,24 @@ def all_schedules(decomposition: Decomposition) -> np.ndarray:
     grid = np.array(rows, int).reshape(len(rows), len(domains))
     keep = np.ones(len(grid), bool)
     for requirement in decomposition.requirements:
-        total = requirement.total.offset + grid[:, list(requirement.total.variables)].sum(1)
-        met = total >= requirement.minimum
+        later, since = requirement.total, requirement.since
+        total = later.offset + grid[:, list(later.variables)].sum(1)
+        total = total - since.offset - grid[:, list(since.variables)].sum(1)
+        met = np.ones(len(grid), bool)
+        if requirement.minimum is not None:
+            met &= total >= requirement.minimum
         if requirement.maximum is not None:
             met &= total <= requirement.maximum
         keep &= met | ~_agrees(requirement.guards, grid)
     return grid[keep]
 
 
-def best_value(decomposition: Decomposition, trace: Trace, length: int) -> float:
+def best_value(decomposition: Decomposition, trace: np.ndarray) -> float:
     """Max over schedules of min over active tasks and steps of the margin; -inf for no schedule.
 
-    Fails if a window of an active task leaves the trace of `length` steps.
+    Fails if a window of an active task leaves the trace [T, A].
     """
+    length = len(trace)
     grid = all_schedules(decomposition)
     values = np.full(len(grid), np.inf)
     for task in decomposition.tasks:
@@ -94,8 +66,8 @@ def best_value(decomposition: Decomposition, trace: Trace, length: int) -> float
         end = task.end.offset + grid[:, list(task.end.variables)].sum(1)
         active &= start <= end
         assert (start[active] >= 0).all() and (end[active] < length).all()
-        rho = brute_robustness(task.predicate, trace)
-        worst = _window_minima(np.array([rho(t) for t in range(length)]))
+        margins = [reference_robustness(task.predicate, trace, ATOMS, t) for t in range(length)]
+        worst = _window_minima(np.array(margins))
         values[active] = np.minimum(values[active], worst[start[active], end[active]])
     return values.max(initial=-np.inf)
 
@@ -115,25 +87,25 @@ def _window_minima(signal: np.ndarray) -> np.ndarray:
     return table
 
 
-def random_trace(rng: np.random.Generator, length: int) -> Trace:
-    """Margins in -3..3, ties at 0 included, constant for a few steps at a time."""
-    trace = {}
-    for name in ATOMS:
+def random_trace(rng: np.random.Generator, length: int) -> np.ndarray:
+    """Margins [length, A] in -3..3, ties at 0 included, constant for a few steps at a time."""
+    columns = []
+    for _ in ATOMS:
         stay, bias = rng.choice([0.2, 0.6, 0.9]), rng.integers(-1, 3)
         values = np.clip(rng.integers(-3, 4, length) + bias, -3, 3)
         for t in range(1, length):
             if rng.random() < stay:
                 values[t] = values[t - 1]
-        trace[name] = values.tolist()
-    return trace
+        columns.append(values)
+    return np.stack(columns, axis=1)
 
 
 def random_formula(integer: Integer, depth: int) -> Formula:  # noqa: PLR0911 - one a construct
-    """A formula that the rules cover; `integer(low, high)` makes the choices."""
+    """A formula with every construct; `integer(low, high)` makes the choices."""
     if depth == 0:
         return _state(integer, 1)
     inner = depth - 1
-    match integer(0, 9):
+    match integer(0, 12):
         case 0:
             return _state(integer, 2)
         case 1:
@@ -151,6 +123,8 @@ def random_formula(integer: Integer, depth: int) -> Formula:  # noqa: PLR0911 - 
             return Until(_interval(integer), _steady(integer, inner), right)
         case 8:
             return Not(Until(_interval(integer), _temporal(integer), _recurrent(integer)))
+        case 10 | 11 | 12:
+            return Always(_interval(integer, 4), _due(integer))
     visited = And((random_formula(integer, inner), _state(integer, 0)))
     return Always(_interval(integer, 4), Eventually(_interval(integer), visited))
 
@@ -175,12 +149,42 @@ def _state(integer: Integer, depth: int) -> Formula:
 
 def _steady(integer: Integer, depth: int) -> Formula:
     """What may hold throughout a window of variable length."""
-    match integer(0, 3) if depth else 0:
+    match integer(0, 4) if depth else 0:
         case 2:
             return Always(_interval(integer), _steady(integer, depth - 1))
         case 3:
             return And((_steady(integer, depth - 1), _steady(integer, depth - 1)))
+        case 4:
+            return (
+                _due(integer)
+                if integer(0, 1)
+                else Eventually(_interval(integer), _state(integer, 0))
+            )
     return _state(integer, 1)
+
+
+def _due(integer: Integer) -> Formula:
+    """What a choice at each step of a window keeps up: responses, lockouts, untils, edges."""
+    mu, goal = _state(integer, 0), _state(integer, 1)
+    due = Eventually(_interval(integer), goal)
+    match integer(0, 7):
+        case 0:
+            return Implies(mu, due)
+        case 1:
+            return Implies(mu, Always(_interval(integer), goal))
+        case 2:
+            return Not(And((mu, due)))
+        case 3:
+            return Until(_interval(integer), _state(integer, 0), goal)
+        case 4:
+            return Or((mu, Until(_interval(integer, 1), _state(integer, 0), goal)))
+        case 5:
+            step = Interval(1, 1)
+            return Implies(And((Not(mu), Always(step, mu))), due)
+        case 6:
+            until = Until(_interval(integer, 1), _state(integer, 0), goal)
+            return Implies(mu, Eventually(Interval(1, 1), until))
+    return Or((due, Eventually(_interval(integer), _state(integer, 0))))
 
 
 def _temporal(integer: Integer) -> Formula:
@@ -211,4 +215,14 @@ def features(formula: Formula) -> set[str]:
                 found.add("negated until")
             case Always(operand=Eventually()):
                 found.add("recurrence")
+            case Always(operand=Implies(right=Eventually(operand=Until()))):
+                found.add("until due later")
+            case Always(operand=Implies(right=Eventually())):
+                found.add("response")
+            case Always(operand=Implies(right=Always()) | Not(operand=And())):
+                found.add("lockout")
+            case Always(operand=Until()):
+                found.add("until at every step")
+            case Always(operand=Or(operands=(_, Until()))):
+                found.add("until when due")
     return found

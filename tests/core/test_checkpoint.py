@@ -197,6 +197,21 @@ def test_a_key_of_another_type_is_refused(tmp_path):
         load_tree(path, {"k": jax.random.key(0, impl="unsafe_rbg")}, kind="checkpoint")
 
 
+@pytest.mark.parametrize("start", ['{"keys": ', '{"other": ', ""])
+def test_a_deeply_nested_header_is_refused(tmp_path, start):
+    path = tmp_path / "x.safetensors"
+    save_file({"x": np.zeros(3)}, path, {"tgpo-studio": start + "[" * 200_000})
+    with pytest.raises(CheckpointError, match=r"x\.safetensors: (not written|its header)"):
+        load_tree(path, {"x": jnp.zeros(3)}, kind="weights")
+
+
+def test_a_huge_header_is_refused_unread(tmp_path):
+    path = tmp_path / "x.safetensors"
+    path.write_bytes((50_000_000).to_bytes(8, "little") + b"{" + b" " * 1000)
+    with pytest.raises(CheckpointError, match="a header of 50,000,000 bytes"):
+        load_tree(path, {"x": jnp.zeros(3)}, kind="weights")
+
+
 @pytest.mark.parametrize("path", ["missing.safetensors", "."])
 def test_what_cannot_be_opened_is_refused(tmp_path, path):
     with pytest.raises(CheckpointError, match="cannot be read: "):
@@ -212,5 +227,5 @@ def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
 @pytest.mark.parametrize("bad", [jnp.nan, jnp.inf])
 def test_weights_that_are_not_finite_are_named(bad):
     require_finite({"a": jnp.ones(3)}, "epoch 7")
-    with pytest.raises(DivergedError, match="epoch 7: the weights 'actor/b' hold numbers"):
+    with pytest.raises(DivergedError, match="epoch 7: the weights 'actor/b' contain numbers"):
         require_finite({"a": jnp.ones(3), "actor": {"b": jnp.array([0.0, bad])}}, "epoch 7")

@@ -15,17 +15,30 @@ from hypothesis import strategies as st
 from core.decompose import decompose
 from core.stl import Formula, horizon
 from tests.core.decompose_oracle import (
+    ATOMS,
     all_schedules,
     best_value,
-    brute_robustness,
     features,
     random_formula,
     random_trace,
     schedule_count,
 )
+from tests.core.stl.reference import reference_robustness
 
 MOST_SCHEDULES = 20_000
 TRACES = 3
+FEATURES = (
+    "disjunction",
+    "until",
+    "nested until",
+    "negated until",
+    "recurrence",
+    "response",
+    "lockout",
+    "until at every step",
+    "until when due",
+    "until due later",
+)
 
 
 @st.composite
@@ -43,19 +56,20 @@ def small(formula: Formula) -> bool:
 
 def check(formula: Formula, rng: np.random.Generator) -> float:
     """Assert the theorem on one random trace; its robustness."""
-    length = horizon(formula) + 1
-    trace = random_trace(rng, length)
-    expected = brute_robustness(formula, trace)(0)
+    trace = random_trace(rng, horizon(formula) + 1)
+    expected = reference_robustness(formula, trace, ATOMS)
     plan = decompose(formula)
-    fewest = best_value(plan, trace, length)
+    fewest = best_value(plan, trace)
     enough = fewest
     if plan.visits_missing:
         complete = decompose(formula, visits_extra=plan.visits_missing)
         assert complete.visits_missing == 0
-        enough = best_value(complete, trace, length)
+        enough = best_value(complete, trace)
     assert fewest <= expected
-    assert (enough >= 0) == (expected >= 0)
-    assert enough == expected
+    assert enough <= expected
+    if not plan.one_sided:
+        assert (enough >= 0) == (expected >= 0)
+        assert enough == expected
     return expected
 
 
@@ -75,7 +89,7 @@ def test_best_schedule_is_the_robustness(formula: Formula, seed: int):
 def test_generated_cases_cover_every_construct_and_both_verdicts():
     choices, rng = random.Random(11), np.random.default_rng(11)
     verdicts: Counter[tuple[str, bool]] = Counter()
-    for _ in range(1200):
+    for _ in range(2000):
         formula = random_formula(choices.randint, 3)
         if not small(formula):
             continue
@@ -85,7 +99,7 @@ def test_generated_cases_cover_every_construct_and_both_verdicts():
             verdicts[feature, expected >= 0] += 1
     for satisfied in (True, False):
         assert verdicts["all", satisfied] >= 300
-        for feature in ("disjunction", "until", "nested until", "negated until", "recurrence"):
+        for feature in FEATURES:
             assert verdicts[feature, satisfied] >= 20, feature
 
 
@@ -98,6 +112,6 @@ def test_enumeration_agrees_with_the_definition(extra: int):
             continue
         expected = [tuple(row) for row in all_schedules(plan).tolist()]
         assert list(plan.schedules()) == expected
-        assert np.prod(plan.domain_sizes) == schedule_count(plan) >= len(expected) > 0
+        assert schedule_count(plan) >= len(expected) > 0
         checked += 1
     assert checked >= 30

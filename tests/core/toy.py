@@ -8,10 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.decompose import decompose
-from core.grounding import COMBINATIONS, MAX_ATOMS, MAX_SUBGOALS, ground
-from core.problem import SAMPLES_INSIDE, Problem, to_device
 from core.stl import Formula, parse
-from core.task import Task
+from core.task.grounding import MAX_ATOMS, ground
+from core.task.problem import SAMPLES_INSIDE, Problem, to_device
+from core.task.protocols import Tuning
+from core.task.task import Task
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class PointRobot:
     speed: float = 0.5
     lag: float = 0.0
     length: float = 1.0
+    tuning: Tuning = Tuning()
 
     def rest(self, key, position):
         del key
@@ -52,7 +54,7 @@ class PointRobot:
 class Discs(NamedTuple):
     center: np.ndarray  # [A, 2]
     radius: np.ndarray  # [A]
-    goal: np.ndarray  # [G, 2] what each subgoal's field leads to
+    goal: np.ndarray  # [F, 2] what each field leads to; closed doors change nothing
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class DiscWorld:
         return data.radius - distance, offset / distance[:, None]
 
     def field(self, data, index, position):
-        offset = data.goal[index // COMBINATIONS] - position
+        offset = data.goal[index] - position
         distance = jnp.sqrt((offset**2).sum() + 1e-12)
         return distance, offset / distance
 
@@ -78,7 +80,7 @@ CENTERS = {"A": (1.5, 0.0), "B": (0.0, 1.5), "C": (-1.5, 0.0), "D": (0.0, -1.5)}
 RADIUS = 0.6
 
 
-def toy_task(formula: str | Formula, horizon: int = 16) -> Task:
+def toy_task(formula: str | Formula, horizon: int = 16, robot: PointRobot | None = None) -> Task:
     """A task over the discs A, B, C, D around the origin."""
     if isinstance(formula, str):
         formula = parse(formula, names=CENTERS)
@@ -86,18 +88,23 @@ def toy_task(formula: str | Formula, horizon: int = 16) -> Task:
     center = np.full((MAX_ATOMS, 2), 99.0, np.float32)
     center[: len(CENTERS)] = list(CENTERS.values())
     radius = np.full(MAX_ATOMS, RADIUS, np.float32)
-    goal = np.zeros((MAX_SUBGOALS, 2), np.float32)
-    for i, task in enumerate(grounding.subgoals):
-        goal[i] = CENTERS.get(getattr(task.predicate, "name", ""), (0.0, 0.0))
-    legs = np.linalg.norm(goal[:, None] - goal[None], axis=-1) - 2 * RADIUS
+    sizes, arrays = grounding.sizes, grounding.arrays
+    goal = np.zeros((sizes.subgoals, 2), np.float32)
+    for i, predicate in enumerate(grounding.places):
+        goal[i] = CENTERS.get(getattr(predicate, "name", ""), (0.0, 0.0))
+    fields = np.repeat(goal, arrays.combinations, axis=0)
+    center_of = goal[arrays.place]
+    legs = np.linalg.norm(center_of[:, None] - center_of[None], axis=-1) - 2 * RADIUS
     problem = Problem(
-        grounding.arrays,
-        Discs(center, radius, goal),
-        jnp.asarray(np.repeat(goal[:, None], SAMPLES_INSIDE, 1)),
-        jnp.asarray(goal),
-        jnp.asarray(np.repeat(np.maximum(legs, 0)[None], COMBINATIONS, 0)),
+        PointRobot() if robot is None else robot,
+        DiscWorld(),
+        arrays,
+        Discs(center, radius, np.resize(fields, (sizes.subgoals * 2**sizes.doors, 2))),
+        jnp.asarray(np.repeat(center_of[:, None], SAMPLES_INSIDE, 1)),
+        jnp.asarray(center_of),
+        jnp.asarray(np.repeat(np.maximum(legs, 0)[None], 2**sizes.doors, 0)),
     )
-    return Task("toy", PointRobot(), DiscWorld(), grounding, to_device(problem))
+    return Task("toy", grounding, to_device(problem))
 
 
 def disc_margins(positions: np.ndarray) -> np.ndarray:

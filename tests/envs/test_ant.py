@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from core.physics import physics_of
+from core.task.physics import physics_of
 from envs.ant import Ant
 from envs.ant.gait import KNEE_SIGN, motor_order, observe, shipped_gait
 from envs.ant.model import DT, POSITIONS, STANDING, STATE, ant_model, has_fallen

@@ -31,8 +31,7 @@ def test_rollouts_equal_the_papers_equations_in_float64(name):
 @ROBOTS
 def test_rest_and_place_put_the_robot_at_the_position(name):
     robot = ENVS[name]
-    middle = [(low + high) / 2 for low, high in robot.workspace]
-    position = jnp.array(middle) + 0.125
+    position = jnp.array(robot.workspace.middle) + 0.125
     keys = jax.random.split(jax.random.key(0), 1000)
     for start in (robot.rest, robot.place):
         states = jax.vmap(start, (0, None))(keys, position)
@@ -100,5 +99,5 @@ def test_robots_describe_themselves(name):
     assert robot.name == name
     assert len(robot.state_names) == robot.state_size
     assert len(robot.action_names) == robot.action_size
-    assert len(robot.workspace) == robot.position_size
+    assert len(robot.workspace.arena) == robot.position_size
     assert hash(robot) == hash(type(robot)())  # static under jit: equal robots compile once

@@ -7,14 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from core.algorithm import make_algorithm
 from core.evaluation import trace_robustness
-from core.problem import atom_margins
-from core.programs import setting_of
-from core.rollout import trace_margins
+from core.task.problem import atom_margins, trace_margins
 from envs import Panda
 from scenes import Region, load_task
-from studio.tasks import build_task
+from studio.runs.tasks import build_task
 from tests.envs.reference import (
     PANDA_HIGH,
     PANDA_LOW,
@@ -89,8 +86,7 @@ def test_an_elbow_in_an_obstacle_violates_it_though_the_hand_does_not():
     found = {}
     for variant in ("", "links"):
         task = _task(variant, ball)
-        algorithm = make_algorithm("studio", "tgpo-star", "panda")
-        margins = np.asarray(trace_margins(setting_of(task, algorithm), task.problem, still))
+        margins = np.asarray(trace_margins(task.problem, still))
         column = task.grounding.atoms.index("B1")
         found[variant] = margins[0, 0]
         avoided = replace(task.grounding, decomposition=_only("G_[0:100](!B1)", task))
@@ -122,7 +118,7 @@ def test_margins_are_those_of_the_nearest_point_of_the_arm(obstacle):
     """To the balls' 9 mm; how deep the arm is in an obstacle is told by the balls alone."""
     task = _task("links", obstacle)
     column = task.grounding.atoms.index("B1")
-    margins = jax.vmap(lambda q: atom_margins(ARM, task.world, task.problem, q)[0])
+    margins = jax.vmap(lambda q: atom_margins(task.problem, q)[0])
     postures = _postures(30)
     found = np.asarray(margins(jnp.asarray(postures, jnp.float32)))[:, column]
     for posture, margin in zip(postures, found, strict=True):

@@ -81,7 +81,7 @@ def test_regions_keep_their_distances(task):
 @TASKS
 def test_walls_close_the_workspace(task):
     scene = load_task(task)
-    limits = ENVS[scene.robot].workspace
+    limits = ENVS[scene.robot].workspace.arena
     points = []
     for axis, ends in enumerate(limits):
         sides = [np.linspace(*limit, 41) for limit in limits]

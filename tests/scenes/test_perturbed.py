@@ -5,9 +5,8 @@ import itertools
 import numpy as np
 import pytest
 
-from scenes import load_task, task_names
+from scenes import load_task, task_names, world_of
 from scenes.layouts import Perturbation, perturbed
-from studio.tasks import WORLDS
 from tests.scenes import geometry
 from tests.scenes.plans import WALLS, plan_of
 
@@ -19,7 +18,7 @@ def _goals(scene) -> set[str]:
 
 
 def _layouts(scene, count: int = 4, **how) -> list:
-    world = WORLDS[scene.robot]
+    world = world_of(scene)
     random = np.random.default_rng(7)
     how = Perturbation(**how) if how else None
     return [perturbed(scene, _goals(scene), world, random, how) for _ in range(count)]
@@ -44,7 +43,7 @@ def test_everything_but_walls_moves(task):
 def test_goals_keep_their_distances(task):
     """Of the clearance and the inset of planned ways, or as near as they were."""
     scene = load_task(task)
-    world = WORLDS[scene.robot]
+    world = world_of(scene)
     apart = world.clearance + world.inset
 
     def distances(layout):
@@ -105,7 +104,7 @@ def test_where_nothing_fits_the_scene_stays():
     ]
     scene = type(scene)(**{**vars(scene), "regions": (*walls, *goals)})
     layout = perturbed(
-        scene, {"A1", "A2"}, WORLDS["linear"], np.random.default_rng(0), Perturbation(mirror=False)
+        scene, {"A1", "A2"}, world_of(scene), np.random.default_rng(0), Perturbation(mirror=False)
     )
     assert [r.center for r in layout.regions[:4]] == [r.center for r in walls]
     for before, after in zip(goals, layout.regions[4:], strict=True):

@@ -2,14 +2,20 @@
 
 import re
 import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from scenes import Scene, load_task
+from studio.page.app import Studio
 
 RESULTS = Path("test-results")
+MOST_PATIENCE = 240_000
+"""After how long a browser is not waited for any more [ms]: as long as a busy machine needs."""
 BROWSER_FLAGS = (
     "--no-sandbox --use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader "
     "--ignore-gpu-blocklist --disable-quic --no-first-run --disable-background-networking "
@@ -44,6 +50,17 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+@contextmanager
+def running(studio: Studio) -> Iterator[None]:
+    """Run the page's loop on a thread; at the end it is closed, and must have ended."""
+    loop = threading.Thread(target=studio.run)
+    loop.start()
+    yield
+    studio.close()
+    loop.join(timeout=10)
+    assert not loop.is_alive()
+
+
 @pytest.fixture(scope="session")
 def chromium_path() -> str:
     """An installed Chromium; without one the tests of the page fail, they are not skipped."""
@@ -73,7 +90,7 @@ def page(request, chromium_path):
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium_path, args=BROWSER_FLAGS)
         page = browser.new_page(viewport={"width": 1440, "height": 900})
-        page.set_default_timeout(30_000)
+        page.set_default_timeout(MOST_PATIENCE)
         yield page
         if request.node.stash.get(FAILED, True):
             RESULTS.mkdir(exist_ok=True)

@@ -8,12 +8,13 @@ from typing import get_args, get_type_hints
 
 import pytest
 
-from core.algorithm import MethodName, ModeName
 from core.errors import UserError
+from core.methods.tgpo.algorithm import MethodName, ModeName
+from envs import VARIANTS
 from scenes import demo_names, task_names
 from studio import cli
 from studio.cli import Options, main
-from studio.headless import commands
+from studio.runs import commands
 
 ROOT = Path(__file__).parents[2]
 
@@ -27,9 +28,9 @@ def called(monkeypatch):
             commands, name, lambda options, name=name: calls.append((name, options)) or 0
         )
     monkeypatch.setattr(cli, "_use_cache", lambda options: calls.append(options.no_cache))
-    page = ModuleType("studio.app")
+    page = ModuleType("studio.page.app")
     page.serve = lambda **options: calls.append(("page", options))  # pyright: ignore
-    monkeypatch.setitem(sys.modules, "studio.app", page)
+    monkeypatch.setitem(sys.modules, "studio.page.app", page)
     return calls
 
 
@@ -97,12 +98,12 @@ def test_the_tasks_are_listed(capsys):
     ("arguments", "message"),
     [
         ("--train-only", "give --task NAME or --scene FILE.stl.toml"),
-        ("--train-only --task a --scene b", "--task and --scene exclude each other"),
-        ("--epochs 3", "--epochs has no meaning for the page without --train-only"),
-        ("--resume r --seed 3", "--seed has no meaning with --resume. Allowed: --epochs"),
-        ("--evaluate r --train-only", "--train-only has no meaning with --evaluate"),
-        ("--list --task a", "--task has no meaning with --list. Allowed: nothing"),
-        ("--train-only --task a --port 1", "--port has no meaning with --train-only"),
+        ("--train-only --task a --scene b", "--task and --scene cannot be combined"),
+        ("--epochs 3", "--epochs cannot be used without --train-only"),
+        ("--resume r --seed 3", "--seed cannot be used with --resume. Allowed: --epochs"),
+        ("--evaluate r --train-only", "--train-only cannot be used with --evaluate"),
+        ("--list --task a", "--task cannot be used with --list. Allowed: nothing"),
+        ("--train-only --task a --port 1", "--port cannot be used with --train-only"),
         ("--port 70000", "--port: 70000 must be from 0 to 65535"),
     ],
 )
@@ -145,16 +146,39 @@ def test_choices_are_those_of_the_core():
     assert get_args(hints["mode"]) == get_args(ModeName)
 
 
-def test_help_needs_nothing_heavy():
+def _heavy_imports(*arguments: str) -> tuple[str, str]:
+    """Output of the command, and which heavy packages it imported."""
     code = (
-        "import sys; sys.argv[1:] = ['--help']\n"
+        f"import sys; sys.argv[1:] = {list(arguments)}\n"
         "from studio.cli import main\n"
         "try: main()\n"
-        "finally: print(sorted({'jax', 'numpy', 'viser', 'scenes'} & set(sys.modules)))"
+        "except SystemExit: pass\n"
+        "print(sorted({'jax', 'numpy', 'viser', 'scenes'} & set(sys.modules)))"
     )
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-    assert "--train-only" in done.stdout and done.stdout.endswith("[]\n")
+    *output, imported = done.stdout.splitlines()
+    return "\n".join(output) + done.stderr, imported
+
+
+def test_errors_in_arguments_need_nothing_heavy():
+    for arguments in (
+        ["--port", "-1"],
+        ["--mode", "fast"],
+        ["--task", "linear-08", "--scene", "x"],
+    ):
+        output, imported = _heavy_imports(*arguments)
+        assert arguments[0] in output and imported == "[]"
+
+
+def test_help_asks_the_robots_for_their_variants_and_needs_nothing_else():
+    output, imported = _heavy_imports("--help")
+    assert "--train-only" in output
+    assert imported == "['jax', 'numpy']"
+    words = output.replace("│", " ").split()
+    text = " ".join(words)
+    for robot, variants in VARIANTS.items():
+        assert not variants or f"{robot}: {', '.join(variants)}" in text
 
 
 def test_python_m_studio():

@@ -1,4 +1,4 @@
-"""Benchmarks: training to success, compilation, and the paper's mode beside the studio's.
+"""Benchmarks: training to success, compilation, and paper mode beside studio mode.
 
     python -m tests.tools.benchmark train --tasks linear unicycle --seeds 1007 1008 1009
     python -m tests.tools.benchmark compile
@@ -23,12 +23,12 @@ from pathlib import Path
 
 import jax
 
-from core.algorithm import make_algorithm, many_layouts
-from core.programs import use_disk_cache
-from core.training import TrainingConfig, final_evaluation, train
-from scenes import load_task, task_names
-from studio.layouts import held_out, randomized
-from studio.tasks import build_task
+from core.compilation import use_disk_cache
+from core.methods.tgpo.algorithm import make_algorithm, many_layouts
+from core.methods.training import TrainingConfig, final_evaluation, train
+from scenes import load_task, robot_of, task_names
+from studio.runs.layouts import held_out, randomized
+from studio.runs.tasks import build_task
 
 HELD_OUT = 10
 """Layouts on which transfer is measured."""
@@ -56,7 +56,7 @@ def benchmark_training(tasks: list[str], seeds: list[int], epochs: int, target: 
     results: dict[str, list[tuple[float, float]]] = {}
     for name in tasks:
         task = build_task(load_task(name))
-        algorithm = make_algorithm("studio", "tgpo-star", task.robot.name)
+        algorithm = make_algorithm("studio", "tgpo-star", task.robot)
         for seed in seeds:
             config = TrainingConfig(algorithm, seed=seed, epochs=epochs, target=target)
             *_, last = train(task, config)
@@ -98,14 +98,17 @@ _FIRST_RUN = """
 import json, sys, time
 began = time.perf_counter()
 from pathlib import Path
-from core.programs import use_disk_cache
+from core.compilation import use_disk_cache
 use_disk_cache(Path(sys.argv[1]))
-from core.algorithm import make_algorithm
-from core.training import TrainingConfig, train
+from core.methods.tgpo.algorithm import make_algorithm
+from core.methods.training import TrainingConfig, train
+from core.methods.tgpo.algorithm import make_algorithm
+from core.methods.training import TrainingConfig, train
+from envs import Linear
 from scenes import load_task
-from studio.tasks import build_task
+from studio.runs.tasks import build_task
 imported = time.perf_counter()
-config = TrainingConfig(make_algorithm("studio", "tgpo-star", "linear"), epochs=3,
+config = TrainingConfig(make_algorithm("studio", "tgpo-star", Linear()), epochs=3,
                         evaluate_every=9)
 seconds = {}
 first = list(train(build_task(load_task("linear-08")), config))
@@ -140,13 +143,13 @@ def benchmark_compilation(repeats: int) -> None:
 
 
 def benchmark_modes(tasks: list[str], seconds: float, seed: int) -> None:
-    """Success over wall-clock of the paper's mode and the studio's, same budget."""
+    """Success over wall-clock of paper mode and studio mode, same budget."""
     print(f"\nSuccess rate over training time, {seconds:.0f} s each, seed {seed}.\n")
     _header("task", "mode", "time [s]: success", "epochs", "env steps")
     for name in tasks:
         task = build_task(load_task(name))
         for mode in ("studio", "paper"):
-            algorithm = make_algorithm(mode, "tgpo-star", task.robot.name)
+            algorithm = make_algorithm(mode, "tgpo-star", task.robot)
             every = 5 if mode == "studio" else 1
             config = TrainingConfig(
                 algorithm, seed=seed, epochs=10**6, target=2.0, evaluate_every=every
@@ -169,7 +172,7 @@ def benchmark_layouts(tasks: list[str], seeds: list[int], epochs: int) -> None:
     _header("task", "seed", "trained on", *names)
     for name in tasks:
         scene = load_task(name)
-        plain = make_algorithm("studio", "tgpo-star", scene.robot)
+        plain = make_algorithm("studio", "tgpo-star", robot_of(scene))
         one = build_task(scene)
         tests = list(held_out(scene, one, plain, HELD_OUT))
         for seed in seeds:

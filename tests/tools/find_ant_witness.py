@@ -10,7 +10,7 @@ import sys
 
 import numpy as np
 
-from core.physics import physics_of
+from core.task.physics import physics_of
 from envs import ENVS
 from envs.ant.model import STANDING
 from scenes import Scene, load_task, task_names

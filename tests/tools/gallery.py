@@ -24,10 +24,10 @@ from scipy.spatial import ConvexHull
 
 from envs import ENVS
 from scenes import Region, Scene, parse_scene
-from studio.tasks import decompose_scene
-from studio.views.outlines import outline
-from studio.views.regions import DEFAULT_COLOR, START, Look, initial_look, region_look
-from studio.views.roles import Role, roles
+from studio.page.views.outlines import outline
+from studio.page.views.regions import DEFAULT_COLOR, START, Look, initial_look, region_look
+from studio.page.views.roles import Role, roles
+from studio.runs.tasks import decompose_scene
 
 FOLDER = Path(__file__).parents[2] / "docs"
 COLUMNS, WIDTH, DPI = 4, 3.0, 100
@@ -65,10 +65,10 @@ def text() -> str:
     lines = [
         "# Gallery",
         "",
-        "Every shipped scene, drawn by `make gallery`: goals blue (keys green), obstacles grey,",
+        "All shipped scenes, drawn by `make gallery`: goals blue (keys green), obstacles grey,",
         "doors red, the initial set yellow. The numbered formulas are the paper's (App. A.8);",
-        "coordinates are ours. In space the walls of the workspace are left out, and thin lines",
-        "lead to the ground.",
+        "the coordinates are ours. In 3D scenes the walls of the workspace are omitted, and thin",
+        "lines lead to the ground.",
     ]
     for robot in ENVS:
         lines += ["", f"## {robot.capitalize()}", "", f"![Scenes](images/gallery-{robot}.png)", ""]
@@ -99,7 +99,7 @@ def draw_sheet(scenes: list[Scene]) -> Figure:
 
 def draw_plan(axes: Axes, scene: Scene) -> None:
     """A planar scene from above."""
-    (left, right), (front, back) = ENVS[scene.robot].workspace
+    (left, right), (front, back) = ENVS[scene.robot].workspace.arena
     axes.set_xlim(left - 0.2, right + 0.2)
     axes.set_ylim(front - 0.2, back + 0.2)
     axes.add_patch(Rectangle((left, front), right - left, back - front, fc=GROUND, ec=LINE))
@@ -118,7 +118,7 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
 
 def draw_oblique(axes: Axes, scene: Scene) -> None:
     """A scene in space, from the front and above; what is behind is drawn first."""
-    limits = np.array(ENVS[scene.robot].workspace)
+    limits = np.array(ENVS[scene.robot].workspace.arena)
     center, half = limits.mean(1), np.diff(limits)[:, 0] / 2
     view = _view(wide=half[0] >= half[1])
     room = outline(Region("room", "box", tuple(center), tuple(half)), 0.0)

@@ -24,14 +24,14 @@ from functools import partial
 import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from core.algorithm import make_algorithm
-from core.programs import use_disk_cache
-from core.training import TrainingConfig, train
-from scenes import Scene, load_task
-from studio.app import Studio
-from studio.session import DEBOUNCE, Session
-from studio.tasks import build_task
-from studio.worker import Stage
+from core.compilation import use_disk_cache
+from core.methods.tgpo.algorithm import make_algorithm
+from core.methods.training import TrainingConfig, train
+from scenes import Scene, load_task, robot_of
+from studio.page.app import Studio
+from studio.page.session import DEBOUNCE, Session
+from studio.page.trainer import Phase
+from studio.runs.tasks import build_task
 from tests.studio.conftest import BROWSER_FLAGS, free_port
 from tests.tools.browser import find_browser
 
@@ -128,7 +128,7 @@ def _served() -> Iterator[Studio]:
 
 
 def _endless(scene: Scene, _: float = 0.0) -> TrainingConfig:
-    algorithm = make_algorithm("studio", "tgpo-star", scene.robot)
+    algorithm = make_algorithm("studio", "tgpo-star", robot_of(scene))
     return TrainingConfig(algorithm, seed=scene.seed, epochs=100_000, target=2.0)
 
 
@@ -167,7 +167,7 @@ def _speeds(studio: Studio, browser: Browser, rounds: int) -> None:
 
 def _hold(session: Session) -> None:
     session.trainer.pause()
-    _wait(lambda: session.training.stage is Stage.PAUSED)
+    _wait(lambda: session.training.phase is Phase.PAUSED)
 
 
 def _stand_still(go: threading.Event) -> None:
@@ -185,9 +185,9 @@ def _speed(steps_at_next_epoch: Callable[[], int]) -> float:
 
 def _next_epoch(session: Session) -> int:
     epoch = session.training.epoch
-    failed = Stage.FAILED
-    _wait(lambda: session.training.epoch > epoch or session.training.stage is failed)
-    if session.training.stage is failed:
+    failed = Phase.FAILED
+    _wait(lambda: session.training.epoch > epoch or session.training.phase is failed)
+    if session.training.phase is failed:
         raise RuntimeError(session.training.error)
     return session.training.env_steps
 

@@ -14,10 +14,12 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
-from core.programs import use_disk_cache
+from core.compilation import use_disk_cache
 from scenes import load_task
-from studio.app import Studio
+from studio.page.app import Studio
+from studio.runs.recording import Recording
 from tests.studio.conftest import BROWSER_FLAGS, free_port
+from tests.studio.page.test_page_editing import Pointer
 from tests.tools.browser import find_browser
 
 FOLDER = Path(__file__).parents[2] / "docs" / "images"
@@ -39,6 +41,7 @@ def main(folder: Path) -> None:
             page = browser.new_page(viewport={"width": 1440, "height": 900})
             page.set_default_timeout(WAIT)
             _walk(studio, page, folder)
+            _moved(studio, page, folder)
             _demos(studio, page, folder)
             browser.close()
     finally:
@@ -48,7 +51,6 @@ def main(folder: Path) -> None:
 
 def _walk(studio: Studio, page: Page, folder: Path) -> None:
     session = studio.session
-    session.post(session.show_shipped)
     page.goto(studio.url)
     page.wait_for_selector(".tg-verdict")
     page.wait_for_selector("image.tg-cells")
@@ -56,6 +58,7 @@ def _walk(studio: Studio, page: Page, folder: Path) -> None:
     _play_until(page, studio, 55)
     _take(page, folder / "studio.png")
 
+    session.settings.from_weights = False  # from the weights it ends before anything is seen
     page.get_by_role("button", name="Train", exact=True).click()
     while session.training.epoch < 7:
         page.wait_for_timeout(50)
@@ -73,6 +76,20 @@ def _walk(studio: Studio, page: Page, folder: Path) -> None:
     _take(page, folder / "clicked.png")
 
 
+def _moved(studio: Studio, page: Page, folder: Path) -> None:
+    """A robot that is dragged away while its rollout plays, and goes on."""
+    session = studio.session
+    session.post(partial(session.choose_task, "linear-demo"))
+    _play_until(page, studio, 12, task="linear-demo")
+    session.post(partial(session.player.seek, 12))
+    page.wait_for_timeout(500)
+    before = session.player.recording
+    assert before is not None
+    Pointer(studio, page).drag(before.positions[12, :2], (-4.0, 3.0))
+    _play_until(page, studio, 34, unless=before)
+    _take(page, folder / "moved.png")
+
+
 def _demos(studio: Studio, page: Page, folder: Path) -> None:
     """The demos of the robots in space and of the ant, at their ends."""
     session = studio.session
@@ -86,12 +103,15 @@ def _demos(studio: Studio, page: Page, folder: Path) -> None:
         _take(page, folder / f"{robot}.png")
 
 
-def _play_until(page: Page, studio: Studio, step: int, unless=None) -> None:
-    """Wait until a rollout, another than `unless`, has come to a step."""
+def _play_until(
+    page: Page, studio: Studio, step: int, unless: Recording | None = None, task: str = ""
+) -> None:
+    """Wait until a rollout, another than `unless` and of that task, has come to a step."""
     for _ in range(600):
         player = studio.session.player
         recording = player.recording
-        if recording is not None and recording is not unless and player.position >= step:
+        wanted = recording is not None and (not task or recording.task.name == task)
+        if wanted and recording is not unless and player.position >= step:
             return
         page.wait_for_timeout(50)
 

@@ -1,0 +1,34 @@
+"""How many visits are planned: none of two places at once, and no more than needed."""
+
+from dataclasses import replace
+
+import pytest
+
+from scenes import load_task
+from studio.runs.tasks import build_task
+from studio.runs.visits import ENOUGH, room_for
+
+
+def test_two_places_are_not_due_at_once(disk_cache):
+    """With the least visits both would be due at step 60, and only then."""
+    text = "G_[0:60](F_[0:60](A1)) & G_[0:60](F_[0:60](A2))"
+    least = build_task(load_task("linear-07"), text, visits_extra=0)
+    task = build_task(load_task("linear-07"), text)
+    assert {(v.low, v.high) for v in least.grounding.decomposition.variables} == {(60, 60)}
+    assert task.grounding.decomposition.visits_extra == 1
+    assert room_for(least.problem).share == 0
+    assert room_for(task.problem).share >= ENOUGH
+
+
+@pytest.mark.parametrize("text", ["G_[0:60](F_[0:60](A1))", "F_[0:60](A1) & F_[0:60](A2)"])
+def test_no_more_visits_than_needed(disk_cache, text):
+    task = build_task(load_task("linear-07"), text)
+    assert task.grounding.decomposition.visits_extra == 0
+
+
+def test_fifteen_alternatives_and_nine_times_are_a_mission(disk_cache):
+    scene = load_task("linear-08")
+    wide = " | ".join(f"(A{a} & !B{b})" for a in (1, 2, 3) for b in range(1, 6))
+    text = f"F_[0:90]({wide}) & " + " & ".join(f"F_[{i}:90](A1)" for i in range(9))
+    task = build_task(replace(scene, formula=text))
+    assert task.grounding.sizes.variables == 16 and len(task.grounding.subgoals) == 10

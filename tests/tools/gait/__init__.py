@@ -1,1 +1,0 @@
-"""Training of the ant's gait: `python -m tests.tools.gait`."""
