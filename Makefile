@@ -3,12 +3,16 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: studio test lint types unit browser benchmark latency screenshots gallery clean
+.PHONY: studio test quick lint types unit browser benchmark latency screenshots gallery pretrain gait clean
 
 studio: $(VENV)/.installed
 	$(BIN)/tgpo-studio $(ARGS)
 
 test: $(VENV)/.installed-dev lint types unit
+
+# Everything that neither compiles a trainer nor opens a browser.
+quick: $(VENV)/.installed-dev lint
+	$(BIN)/pyright & types=$$!; $(BIN)/pytest -q -m "not slow" $(ARGS) && wait $$types
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
@@ -34,6 +38,12 @@ screenshots: $(VENV)/.installed-dev browser
 
 gallery: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.tools.gallery $(ARGS)
+
+pretrain: $(VENV)/.installed
+	$(BIN)/tgpo-studio --pretrain $(ARGS)
+
+gait: $(VENV)/.installed
+	$(BIN)/python -m envs.ant.gait_training $(ARGS)
 
 $(VENV)/.installed: pyproject.toml requirements.lock | $(VENV)
 	$(BIN)/pip install --quiet --constraint requirements.lock --editable .
