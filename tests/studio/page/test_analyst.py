@@ -152,8 +152,10 @@ def test_a_request_outlives_a_change_of_weights(training, monkeypatch):
         analyst.ask(asked=False)  # a plan that nobody pressed a button for
         gate.open.release(2)
         assert wait_for(lambda: analyst.answer is not None, 120), analyst.error
-        assert analyst.answer.subject.training is after.identity
-        assert analyst.answer.recordings[0].schedule[:3] == (3, 50, 12)
+        answer = analyst.answer
+        assert answer is not None
+        assert answer.subject.training is after.identity
+        assert answer.recordings[0].schedule[:3] == (3, 50, 12)
     finally:
         gate.open.release(9)
         analyst.close()
