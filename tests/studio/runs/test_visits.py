@@ -20,6 +20,16 @@ def test_two_places_are_not_due_at_once(disk_cache):
     assert room_for(task.problem).share >= ENOUGH
 
 
+def test_visits_that_leave_no_time_are_warned_of(disk_cache):
+    """Two places a dozen steps apart, each of them every twenty steps."""
+    text = "G_[30:80](F_[0:{0}](A1)) & G_[30:80](F_[0:{0}](A2))"
+    hurried = build_task(load_task("linear-07"), text.format(20))
+    note = hurried.notes[-1]
+    assert note.startswith("at planning speed no schedule was found that leaves time")
+    assert "from A1 to A2" in note or "from A2 to A1" in note
+    assert not build_task(load_task("linear-07"), text.format(60)).notes
+
+
 @pytest.mark.parametrize("text", ["G_[0:60](F_[0:60](A1))", "F_[0:60](A1) & F_[0:60](A2)"])
 def test_no_more_visits_than_needed(disk_cache, text):
     task = build_task(load_task("linear-07"), text)
