@@ -127,13 +127,13 @@ def spearman(one: np.ndarray, other: np.ndarray) -> float:
     NaN where fewer than two are, or all of one array are equal.
     """
     finite = np.isfinite(one) & np.isfinite(other)
-    first, second = _ranks(np.asarray(one)[finite]), _ranks(np.asarray(other)[finite])
+    first, second = ranks(np.asarray(one)[finite]), ranks(np.asarray(other)[finite])
     if first.size < 2 or np.ptp(first) == 0 or np.ptp(second) == 0:
         return float("nan")
     return float(np.corrcoef(first, second)[0, 1])
 
 
-def _ranks(values: np.ndarray) -> np.ndarray:
+def ranks(values: np.ndarray) -> np.ndarray:
     """Ranks [N] of N values; equal ones share the mean of theirs."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     return (np.cumsum(counts) - (counts - 1) / 2)[place]
