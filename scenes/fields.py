@@ -7,6 +7,7 @@ of an obstacle too.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -17,6 +18,9 @@ import skfmm
 
 BLOCKED_SPEED = 0.05
 """Speed inside a blocked cell relative to free space."""
+
+REMEMBERED = 192
+"""Fields that are kept, at most 40 MB: where a goal is dragged, only its own field is new."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +53,24 @@ def geodesic_field(
         goal: margin of the goal's predicate at the nodes [*shape], in [m].
         blocked: whether a node is blocked [*shape].
         inset: aim at positions this far inside the goal, where it is deep enough [m].
+
+    Returns:
+        Read-only; the same array where the same was asked for shortly before.
     """
+    return _field(grid, inset, goal.dtype.str, goal.tobytes(), np.asarray(blocked, bool).tobytes())
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _field(grid: Grid, inset: float, kind: str, goal_bytes: bytes, blocked_bytes: bytes):
+    """See `geodesic_field`; arrays as bytes, which can be looked up."""
+    goal = np.frombuffer(goal_bytes, kind).reshape(grid.shape)
+    blocked = np.frombuffer(blocked_bytes, bool).reshape(grid.shape)
+    field = _marched(grid, goal, blocked, inset)
+    field.flags.writeable = False
+    return field
+
+
+def _marched(grid: Grid, goal: np.ndarray, blocked: np.ndarray, inset: float) -> np.ndarray:
     level = min(inset, 0.5 * float(goal.max()))
     phi = level - goal
     if phi.min() >= 0:  # no node inside: aim at the best one

@@ -1,5 +1,7 @@
 """The formula of a scene, read with its robot's time step, its regions and its horizon."""
 
+from functools import lru_cache
+
 from core.stl import Formula, Reading, read
 from scenes.scene import Scene, robot_of
 
@@ -15,5 +17,10 @@ def scene_formula(scene: Scene) -> Formula:
 
 def scene_reading(scene: Scene) -> Reading:
     """The same with notes on what the text left open."""
-    dt = robot_of(scene).dt
-    return read(scene.formula, dt=dt, names=scene.region_names, horizon=scene.horizon)
+    return _read(scene.formula, robot_of(scene).dt, scene.region_names, scene.horizon)
+
+
+@lru_cache(maxsize=32)
+def _read(text: str, dt: float, names: tuple[str, ...], horizon: int) -> Reading:
+    """Kept, since a scene is read anew whenever one of its regions is moved."""
+    return read(text, dt=dt, names=names, horizon=horizon)

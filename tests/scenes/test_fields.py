@@ -2,6 +2,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import skfmm
 
 from core.stl import parse
 from envs import Linear
@@ -110,3 +111,31 @@ def test_a_subgoal_that_holds_nowhere_is_named():
     scene = _scene(A=((-2.0, 0.0), 0.5), B=((2.0, 0.0), 0.5))
     with pytest.raises(SceneError, match="no position in the workspace satisfies A & B"):
         goal_geometry(PLANAR, scene, [parse("A & B")], [[]], 8)
+
+
+def test_a_field_is_computed_once(monkeypatch):
+    """Dragging one goal leaves the other's field as it is."""
+    marches = []
+    monkeypatch.setattr("scenes.fields.skfmm.travel_time", _counting(marches))
+    grid = Grid((0.0, 0.0), 0.25, (13, 14))
+    nodes, blocked = grid.nodes(), np.zeros(grid.shape, bool)
+
+    def field(x):
+        goal = 0.3 - np.linalg.norm(nodes - [x, 1.0], axis=1)
+        return geodesic_field(grid, goal.reshape(grid.shape), blocked)
+
+    one, other = field(1.0), field(2.0)
+    assert field(1.0) is one and len(marches) == 2
+    assert not np.array_equal(one, other) and not one.flags.writeable
+    blocked[5, 5] = True
+    assert field(1.0) is not one and len(marches) == 3
+
+
+def _counting(calls):
+    march = skfmm.travel_time
+
+    def counted(*arguments, **options):
+        calls.append(arguments)
+        return march(*arguments, **options)
+
+    return counted
