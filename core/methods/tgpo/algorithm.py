@@ -10,18 +10,12 @@ from core.errors import UserError
 from core.mdp.mode import Mode
 from core.mdp.paper_mode import PaperMode
 from core.mdp.studio_mode import StudioMode
+from core.methods.bounds import Count, Layers, LogStd, Many, ModeName, Size, Steps
 from core.task.protocols import Robot
 from core.task.schedules import Search
 from core.task.windows import RESERVE
 
-ModeName = Literal["studio", "paper"]
 MethodName = Literal["tgpo", "tgpo-star"]
-
-Width = Annotated[int, Meta(ge=1, le=1024)]
-Size = Annotated[int, Meta(ge=1, le=2**12)]
-Many = Annotated[int, Meta(ge=1, le=2**14)]
-Count = Annotated[int, Meta(ge=0, le=10**6)]
-Steps = Annotated[int, Meta(ge=0, le=10**4)]
 
 SHORTFALL_PENALTY = 10.0
 """Penalty on a schedule's value per step of shortfall, about half a subgoal's reward."""
@@ -33,8 +27,8 @@ class Algorithm:
 
     mode: Mode = StudioMode()
     environments: Many = 512
-    hidden: Annotated[tuple[Width, ...], Meta(max_length=8)] = (64, 64)
-    log_std: Annotated[float, Meta(ge=-20, le=20)] = -0.5
+    hidden: Layers = (64, 64)
+    log_std: LogStd = -0.5
 
     learning_rate: Positive = 2e-3
     decay_epochs: Count = 0
@@ -102,6 +96,11 @@ class Algorithm:
                 raise UserError(f"{what}: {given} must be at most {most}")
         if self.layouts > 1 and self.mode.pays_robustness:
             raise UserError(f"layouts: {self.layouts} must be 1 in paper mode")
+
+    @property
+    def mode_name(self) -> ModeName:
+        """The mode whose preset it comes from."""
+        return self.mode.name  # pyright: ignore[reportReturnType]
 
     def preference(self, value, shortfall):
         """Score by which schedules are sampled and chosen: V(s_0, t), less if legs are too short.

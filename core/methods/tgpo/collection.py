@@ -13,9 +13,9 @@ import jax.numpy as jnp
 
 from core.mdp.grounded import AXES, GroundedMdp
 from core.mdp.mode import Mode, View, advance, begin, first_views
+from core.methods.networks import Parameters, networks_of
 from core.methods.tgpo.algorithm import Algorithm
 from core.methods.tgpo.controller import schedule_value
-from core.methods.tgpo.networks import Parameters, networks_of
 from core.methods.tgpo.sampler import Elite, metropolis_hastings
 from core.task.problem import Problem, initial_states
 from core.task.protocols import Array

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 from core.mdp.episode import Episode, before_start
 from core.mdp.grounded import GroundedMdp, ground_schedule
 from core.mdp.mode import begin
+from core.methods.networks import Parameters, networks_of
 from core.methods.tgpo.algorithm import Algorithm
-from core.methods.tgpo.networks import Parameters, networks_of
 from core.methods.tgpo.outcome import outcome_value
 from core.task.grounding import NEVER
 from core.task.problem import Problem

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.compilation import program, shape_of
+from core.methods.networks import Parameters
 from core.methods.tgpo.algorithm import Algorithm
 from core.methods.tgpo.collection import (
     Batch,
@@ -21,7 +22,6 @@ from core.methods.tgpo.collection import (
     prepare,
     settle,
 )
-from core.methods.tgpo.networks import Parameters
 from core.task.physics import Physics
 from core.task.problem import Problem
 from core.task.protocols import Array

@@ -15,13 +15,14 @@ from core.evaluation import trace_robustness
 from core.mdp.mode import first_views
 from core.memory import free_bytes
 from core.methods.method import Epoch
+from core.methods.networks import Parameters, networks_of
+from core.methods.ppo import make_optimizer
 from core.methods.tgpo.algorithm import Algorithm, make_algorithm
 from core.methods.tgpo.collection import Batch, Sources, collect, collect_layouts
 from core.methods.tgpo.controller import TgpoController
 from core.methods.tgpo.layouts import epoch_problems
-from core.methods.tgpo.learner import LearnerState, epoch_keys, make_optimizer, update
+from core.methods.tgpo.learner import LearnerState, epoch_keys, update
 from core.methods.tgpo.measured_collection import collect_measured, measured_jobs
-from core.methods.tgpo.networks import Parameters, networks_of
 from core.methods.tgpo.outcome import outcome_shapes
 from core.methods.tgpo.sampler import Elite
 from core.task.physics import physics_of

@@ -21,8 +21,8 @@ import optax
 from core.compilation import program, shape_of
 from core.mdp.grounded import ground_schedule
 from core.mdp.mode import begin
+from core.methods.networks import Perceptron
 from core.methods.tgpo.algorithm import Algorithm
-from core.methods.tgpo.networks import Perceptron
 from core.task.problem import Problem
 from core.task.protocols import Array
 from core.task.windows import legs_of

@@ -15,8 +15,8 @@ from core.controller import pad_schedule
 from core.errors import UserError
 from core.heatmap import score
 from core.methods import METHODS
+from core.methods.networks import Networks
 from core.methods.tgpo.algorithm import make_algorithm
-from core.methods.tgpo.networks import Networks
 from core.rollout import roll_out
 from scenes import load_task, robot_of
 from studio.runs import bundle

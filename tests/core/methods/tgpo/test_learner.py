@@ -8,11 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from core.methods.networks import networks_of
+from core.methods.ppo import advantages
 from core.methods.tgpo.algorithm import Algorithm
 from core.methods.tgpo.collection import Sources, collect
-from core.methods.tgpo.learner import advantages, update
+from core.methods.tgpo.learner import update
 from core.methods.tgpo.method import TgpoLearner
-from core.methods.tgpo.networks import networks_of
 from tests.core.toy import toy_task
 
 

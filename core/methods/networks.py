@@ -1,6 +1,6 @@
 """Actor and critic: two separate perceptrons, and a Gaussian over normalised actions."""
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import flax.linen as nn
 import jax
@@ -8,7 +8,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.compilation import shape_of
-from core.methods.tgpo.algorithm import Algorithm
 from core.task.problem import Problem
 from core.task.protocols import Array
 
@@ -35,7 +34,7 @@ class Parameters(NamedTuple):
     critic: Any
     log_std: Array
     outcome: Any = None
-    """The critic of outcomes of weights that serve every task (see `outcome.py`)."""
+    """TGPO's critic of outcomes of weights that serve every task (see `tgpo.outcome`)."""
 
 
 class Networks(NamedTuple):
@@ -80,7 +79,16 @@ def make_networks(hidden: tuple[int, ...], action_size: int) -> Networks:
     return Networks(Perceptron(hidden, action_size), Perceptron(hidden, 1))
 
 
-def networks_of(algorithm: Algorithm, problem: Problem) -> Networks:
+class Sized(Protocol):
+    """Hyper-parameters that say how large networks are."""
+
+    @property
+    def hidden(self) -> tuple[int, ...]:
+        """Units of each hidden layer."""
+        ...
+
+
+def networks_of(algorithm: Sized, problem: Problem) -> Networks:
     """The networks of an algorithm for the robot of a problem."""
     return make_networks(algorithm.hidden, problem.robot.action_size)
 
