@@ -9,7 +9,8 @@ Evaluation, rollouts, the map, the page, bundles and exports use controllers and
 Dimensions: n state, m action, V variables (padded).
 """
 
-from typing import Any, Protocol
+from collections.abc import Sequence
+from typing import Any, Protocol, Self
 
 import jax.numpy as jnp
 
@@ -32,6 +33,14 @@ class Controller(Protocol):
         """How the schedules that it chooses from are drawn; None if it knows no schedules (V = 0).
 
         Such a controller is given schedules all the same, and ignores them.
+        """
+        ...
+
+    @property
+    def attempts(self) -> Sequence[Self]:
+        """Controllers of which the best trace counts in an evaluation, itself first.
+
+        They differ in data alone. Itself only, where one attempt has to do.
         """
         ...
 

@@ -1,11 +1,40 @@
 """Memory that is still free, so that what cannot fit is refused instead of aborting the process."""
 
 from pathlib import Path
+from typing import Any
 
 import jax
 
+from core.errors import UserError
+
 _GROUP = Path("/sys/fs/cgroup")
 _MEMINFO = Path("/proc/meminfo")
+
+
+COPIES = 4
+"""How often an epoch holds its batch: collected, flattened, dealt into minibatches."""
+
+
+def require_memory(batch: Any, steps: int, environments: int, *, beside: int = 0) -> None:
+    """Refuse a batch that does not fit.
+
+    Args:
+        batch: a pytree of arrays or of their shapes, held `COPIES` times.
+        steps: length of its episodes.
+        environments: number of its episodes.
+        beside: further bytes that grow with the steps.
+
+    Raises:
+        UserError: with what would fit.
+    """
+    size = sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(batch))
+    needed, free = COPIES * size + beside, free_bytes()
+    if free is not None and needed > free:
+        raise UserError(
+            f"episodes of {steps:,} steps in {environments:,} environments need about "
+            f"{needed / 1e9:.1f} GB of memory, but {free / 1e9:.1f} GB are free; about "
+            f"{max(0, int(steps * free / needed)):,} steps would fit"
+        )
 
 
 def free_bytes() -> int | None:

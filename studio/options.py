@@ -53,8 +53,9 @@ class Options:
         None
     )
     """Weights that training and plans begin with: the robot's, none, or those of a file."""
-    method: Literal["tgpo", "tgpo-star"] = "tgpo-star"
-    """tgpo samples schedules uniformly; tgpo-star also by the critic and from the best so far."""
+    method: Literal["tgpo-star", "tgpo", "rnn", "cem", "grad", "tau-mdp", "f-mdp"] = "tgpo-star"
+    """tgpo samples schedules uniformly, tgpo-star also by the critic and from the best so far; the
+    others are baselines (docs/baselines.md)."""
     mode: Literal["studio", "paper"] = "studio"
     """studio learns in seconds; paper follows the paper, with its hyper-parameters."""
     seed: Annotated[int | None, _shown("INT", "the scene's")] = None

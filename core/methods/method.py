@@ -87,6 +87,19 @@ class Method(Protocol):
         """What people choose it by."""
         ...
 
+    @property
+    def chooses_times(self) -> bool:
+        """Whether its controllers know schedules (`Controller.search`); one way for all of them.
+
+        Only then can weights serve every task of a robot, and layouts vary.
+        """
+        ...
+
+    @property
+    def hyper_parameters(self) -> type:
+        """The frozen dataclass of its presets; it has `mode_name` and `check`."""
+        ...
+
     def preset(self, mode: str, robot: Robot) -> Any:
         """Hyper-parameters, a frozen dataclass, in a mode for a robot.
 

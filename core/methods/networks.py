@@ -11,6 +11,9 @@ from core.compilation import shape_of
 from core.task.problem import Problem
 from core.task.protocols import Array
 
+ACTOR_GAIN = 0.01
+"""Gain of the actor's last layer: at first all actions are near zero."""
+
 
 class Perceptron(nn.Module):
     """Multi-layer perceptron with tanh units."""
@@ -51,16 +54,16 @@ class Networks(NamedTuple):
         """
         random = np.random.default_rng(seed)
         return Parameters(
-            _orthogonal(self.actor, policy_size, 0.01, random),
-            _orthogonal(self.critic, critic_size, 1.0, random),
+            initial_perceptron(self.actor, policy_size, ACTOR_GAIN, random),
+            initial_perceptron(self.critic, critic_size, 1.0, random),
             jnp.full(self.actor.outputs, log_std, jnp.float32),
         )
 
     def shapes(self, policy_size: int, critic_size: int) -> Parameters:
         """Stands for `initial`, without making it."""
         return Parameters(
-            _shapes(self.actor, policy_size),
-            _shapes(self.critic, critic_size),
+            perceptron_shapes(self.actor, policy_size),
+            perceptron_shapes(self.critic, critic_size),
             shape_of(self.actor.outputs, dtype=jnp.float32),
         )
 
@@ -93,26 +96,31 @@ def networks_of(algorithm: Sized, problem: Problem) -> Networks:
     return make_networks(algorithm.hidden, problem.robot.action_size)
 
 
-def _shapes(network: Perceptron, inputs: int) -> Any:
+def perceptron_shapes(network: Perceptron, inputs: int) -> Any:
+    """Stands for the parameters of a perceptron."""
     return jax.eval_shape(network.init, jax.random.key(0), shape_of(inputs, dtype=jnp.float32))
 
 
-def _orthogonal(
+def initial_perceptron(
     network: Perceptron, inputs: int, last_gain: float, random: np.random.Generator
 ) -> Any:
     """Parameters of a perceptron with orthogonal kernels and zero biases."""
-    shapes = _shapes(network, inputs)
+    shapes = perceptron_shapes(network, inputs)
     last = f"Dense_{len(network.hidden)}"
     layers = {}
     for name, layer in sorted(shapes["params"].items()):
         rows, columns = layer["kernel"].shape
-        square = random.normal(size=(max(rows, columns), min(rows, columns)))
-        factor, triangle = np.linalg.qr(square)
-        factor = factor * np.sign(np.diag(triangle))
-        kernel = factor if rows >= columns else factor.T
         gain = last_gain if name == last else 2**0.5
         layers[name] = {
-            "kernel": jnp.asarray(gain * kernel, jnp.float32),
+            "kernel": jnp.asarray(gain * orthogonal(rows, columns, random), jnp.float32),
             "bias": jnp.zeros(columns, jnp.float32),
         }
     return {"params": layers}
+
+
+def orthogonal(rows: int, columns: int, random: np.random.Generator) -> np.ndarray:
+    """A random matrix [rows, columns] with orthonormal rows or columns, whichever are fewer."""
+    square = random.normal(size=(max(rows, columns), min(rows, columns)))
+    factor, triangle = np.linalg.qr(square)
+    factor = factor * np.sign(np.diag(triangle))
+    return factor if rows >= columns else factor.T

@@ -198,6 +198,8 @@ def what_fails(
 ) -> str:
     """The task that fails most often with some weights, in words; empty if none does.
 
+    Empty for a method that chooses no times, too: tasks have no windows without them.
+
     Args:
         task: what was trained on.
         config: of the training.
@@ -205,6 +207,8 @@ def what_fails(
         count: rollouts that are looked at.
     """
     controller = config.controller(weights)
+    if controller.search is None:
+        return ""
     failure = commonest_failure(task, controller, _evaluation_key(config, 0), count=count)
     return "" if failure is None else failure_text(task, failure)
 

@@ -19,7 +19,7 @@ def policy_of(training: Training) -> Policy:
     success = training.success
     return Policy(
         scene,
-        config.algorithm.mode.name,
+        config.algorithm.mode_name,
         config.method,
         config.seed,
         config.algorithm,

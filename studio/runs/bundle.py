@@ -126,7 +126,13 @@ def save_bundle(policy: Policy, folder: Path) -> None:
             (fresh / f"{name}.stablehlo").write_bytes(program)
         write_document(fresh / METADATA, _metadata(policy, task, _checksums(fresh)))
         (fresh / "README.txt").write_text(
-            readme(policy.scene, task, policy.success_rate), encoding="utf-8"
+            readme(
+                policy.scene,
+                task,
+                policy.success_rate,
+                chooses_times=METHODS[policy.method].chooses_times,
+            ),
+            encoding="utf-8",
         )
 
 

@@ -152,6 +152,7 @@ def start(config: RunConfig, out: Path | None, *, force: bool = False) -> int:
     """
     with offering_force():
         task = config.build_task(force=force)  # before the folder is made: an error leaves none
+    config.training.learner(task).weight_shapes()  # so does a method that knows other formulas
     folder = default_folder(RUNS, config) if out is None else out
     return _to_the_end(Run.create(folder, config, task))
 
@@ -180,7 +181,9 @@ def _to_the_end(run: Run) -> int:
         finally:
             reporter.restore()
         if summary["success_rate"] == 0 and not run.config.missions:
-            reporter.note(_what_fails(run))
+            found = _what_fails(run)
+            if found:
+                reporter.note(found)
         if run.config.missions:
             summary = plain(finish_pretraining(run, summary))
     print(json.dumps(summary), flush=True)
@@ -204,7 +207,7 @@ def _train(run: Run, reporter: Reporter, stop: StopRequest) -> dict[str, Any]:
 
 
 def _what_fails(run: Run) -> str:
-    """What stands in the way of a run that never succeeds."""
+    """What stands in the way of a run that never succeeds; empty where it cannot be told."""
     assert run.state is not None
     training = run.config.training
     return what_fails(run.task, training, best_weights(run.task, training, run.state))

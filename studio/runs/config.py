@@ -174,6 +174,8 @@ def make_config(
     if method not in METHODS:
         raise RunError(f"unknown method {method!r}. Available: {sorted(METHODS)}")
     algorithm = METHODS[method].preset(mode, robot)
+    if not METHODS[method].chooses_times:
+        _refuse_beside(method, randomize, weights)
     if randomize:
         algorithm = many_layouts(algorithm)
     default = TrainingConfig(
@@ -186,6 +188,17 @@ def make_config(
     if weights is None:
         weights = "shipped" if shipped_weights_fit(scene.robot, algorithm) else "none"
     return RunConfig(scene, mode, replace(training, warm=weights != "none"), weights)
+
+
+def _refuse_beside(method: str, randomize: bool, weights: str | None) -> None:
+    """Refuse what a method that carries out a formula as a whole cannot do."""
+    if randomize:
+        raise RunError(f"--randomize: {method} learns a single layout only. Available: tgpo-star")
+    if weights not in (None, "none"):
+        raise RunError(
+            f"--weights: {method} begins from scratch; weights that serve every task are those of "
+            "tgpo-star. Allowed: none"
+        )
 
 
 def with_budget(

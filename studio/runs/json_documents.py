@@ -85,13 +85,12 @@ def plain(value: Any) -> Any:
     return value
 
 
-def algorithm_document(algorithm: Algorithm) -> dict[str, Any]:
-    """All hyper-parameters as JSON values."""
-    mode: Any = algorithm.mode
-    return {**asdict(algorithm), "mode": asdict(mode)}
+def algorithm_document(algorithm: Any) -> dict[str, Any]:
+    """All hyper-parameters of a method, a dataclass, as JSON values."""
+    return asdict(algorithm)
 
 
-def read_algorithm(values: Mapping[str, Any], method: str, mode: str, where: str) -> Algorithm:
+def read_algorithm(values: Mapping[str, Any], method: str, mode: str, where: str) -> Any:
     """Hyper-parameters from `algorithm_document`; those that it lacks have their defaults.
 
     Raises:
@@ -103,16 +102,27 @@ def read_algorithm(values: Mapping[str, Any], method: str, mode: str, where: str
         )
     if mode not in MODES:
         raise DocumentError(f"{where}: mode: unknown {quoted(mode)}. Available: {sorted(MODES)}")
+    kind = METHODS[method].hyper_parameters
     if "mode" not in values:
-        raise DocumentError(f"{where}: algorithm.mode: this table is missing")
-    rewards = _filled(MODES[mode], values["mode"], f"{where}: algorithm.mode")
-    rest = {name: value for name, value in values.items() if name != "mode"}
-    algorithm = _filled(Algorithm, rest, f"{where}: algorithm", mode=rewards)
+        raise DocumentError(f"{where}: algorithm.mode: this {_mode_kind(kind)} is missing")
+    given, rest = values["mode"], {name: values[name] for name in values if name != "mode"}
+    if kind is Algorithm:
+        ready = _filled(MODES[mode], given, f"{where}: algorithm.mode")
+    elif given == mode:
+        ready = given
+    else:
+        raise DocumentError(f"{where}: algorithm.mode: {quoted(str(given))} must be {mode!r}")
+    algorithm = _filled(kind, rest, f"{where}: algorithm", mode=ready)
     try:
         algorithm.check()
     except UserError as error:
         raise DocumentError(f"{where}: algorithm.{error}") from error
     return algorithm
+
+
+def _mode_kind(kind: type) -> str:
+    """What stands for the mode in a document: TGPO's has hyper-parameters of its own."""
+    return "table" if kind is Algorithm else "text"
 
 
 def _filled(kind: type, values: Any, where: str, **ready: Any) -> Any:

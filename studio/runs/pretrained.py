@@ -87,7 +87,7 @@ def has_weights(robot: str) -> bool:
 
 def fitting(card: Card, algorithm: Any) -> bool:
     """Whether weights can go on learning by an algorithm: networks and features are the same."""
-    if algorithm.mode.name != card.mode:
+    if not isinstance(algorithm, Algorithm) or algorithm.mode_name != card.mode:
         return False
     learnt = read_algorithm(card.algorithm, card.method, card.mode, card.robot)
     return _networks(learnt) == _networks(algorithm)

@@ -11,7 +11,7 @@ from studio.runs.controller import FAILED
 from studio.runs.tasks import initial_state
 
 
-def readme(scene: Scene, task: Task, success_rate: float) -> str:
+def readme(scene: Scene, task: Task, success_rate: float, *, chooses_times: bool = True) -> str:
     """What the policy is for, and code that runs it with nothing but jax.
 
     Args:
@@ -19,6 +19,7 @@ def readme(scene: Scene, task: Task, success_rate: float) -> str:
         task: the grounded scene.
         success_rate: measured share of initial states from which the policy succeeds, NaN if it
             was not measured.
+        chooses_times: whether the policy carries out schedules; others ignore them.
     """
     robot = robot_of(scene)
     variables = task.grounding.decomposition.variables
@@ -38,6 +39,7 @@ def readme(scene: Scene, task: Task, success_rate: float) -> str:
         rows=task.horizon + 1,
         dt=robot.dt,
         failed=f"{FAILED:,.0f}",
+        ignored="" if chooses_times else _IGNORED,
     )
 
 
@@ -51,6 +53,10 @@ def _written(state: Array) -> list[float]:
     """A state [n] to six decimals: as float32 has near 1, so that a quaternion stays a unit one."""
     return [round(float(value), 6) + 0.0 for value in state]  # + 0.0 makes -0.0 a plain zero
 
+
+_IGNORED = """
+This policy chooses no times: it carries out the formula as a whole, ignores t, and scores every
+schedule 0. So there is nothing to plan anew either."""
 
 _README = Template("""\
 A policy for the task $task of the robot "$robot", trained by TGPO Studio
@@ -84,7 +90,7 @@ load programs: pip install jax flatbuffers):
 
 The state is ($state_names), float32. The action ($action_names) is in [-1, 1], in units of the
 robot's limits, listed under "robot_constants" in metadata.json. The schedule t holds the
-formula's time variables in steps, int32: $variables.
+formula's time variables in steps, int32: $variables.$ignored
 s is the controller's memory: a tuple of arrays to pass to the next call of step.
 
 After a push, or whenever the robot is not where it should be, choose the times anew at a step k:

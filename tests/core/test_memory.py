@@ -4,14 +4,13 @@ import pytest
 
 from core import memory
 from core.errors import UserError
-from core.methods.tgpo import method
 from core.methods.training import TrainingConfig, train
 
 
 def test_a_training_that_does_not_fit_is_refused(linear_task, small_algorithm, monkeypatch):
     """16 environments, 112 steps, 369 bytes a step four times over and 128 of activations."""
     config = TrainingConfig(small_algorithm, epochs=1)
-    monkeypatch.setattr(method, "free_bytes", lambda: 1_000_000)
+    monkeypatch.setattr(memory, "free_bytes", lambda: 1_000_000)
     with pytest.raises(
         UserError, match=r"112 steps in 16 environments need about 0\.0 GB.*but"
     ) as e:
@@ -22,7 +21,7 @@ def test_a_training_that_does_not_fit_is_refused(linear_task, small_algorithm, m
 
 @pytest.mark.parametrize("free", [None, 10**12])
 def test_a_training_that_fits_is_not(linear_task, small_algorithm, monkeypatch, free):
-    monkeypatch.setattr(method, "free_bytes", lambda: free)
+    monkeypatch.setattr(memory, "free_bytes", lambda: free)
     learner = TrainingConfig(small_algorithm).learner(linear_task)
     assert learner.jobs(learner.fresh(0))
 

@@ -9,7 +9,8 @@ from typing import get_args, get_type_hints
 import pytest
 
 from core.errors import UserError
-from core.methods.tgpo.algorithm import MethodName, ModeName
+from core.methods import METHODS
+from core.methods.bounds import ModeName
 from envs import VARIANTS
 from scenes import demo_names, task_names
 from studio import cli
@@ -142,7 +143,7 @@ def test_failures_have_a_status_and_no_traceback(monkeypatch, capsys, error, sta
 
 def test_choices_are_those_of_the_core():
     hints = get_type_hints(Options)
-    assert get_args(hints["method"]) == get_args(MethodName)
+    assert get_args(hints["method"]) == tuple(METHODS)
     assert get_args(hints["mode"]) == get_args(ModeName)
 
 

@@ -39,6 +39,11 @@ class TgpoController:
         """As in training."""
         return self.algorithm.search
 
+    @property
+    def attempts(self) -> tuple["TgpoController"]:
+        """One: the critic's choice has to do."""
+        return (self,)
+
     def score(self, problem: Problem, state: Array, schedule: Array) -> Array:
         """How promising a schedule is.
 

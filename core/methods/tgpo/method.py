@@ -10,10 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.compilation import Program, program, shape_of
-from core.errors import UserError
 from core.evaluation import trace_robustness
 from core.mdp.mode import first_views
-from core.memory import free_bytes
+from core.memory import require_memory
 from core.methods.method import Epoch
 from core.methods.networks import Parameters, networks_of
 from core.methods.ppo import make_optimizer
@@ -182,16 +181,9 @@ class TgpoLearner:
         and two activations of the widest layer for each of its steps: seen, 1.8 kB a step of
         linear-08, 8.1 GB for 10,000 steps.
         """
-        size = sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(batch))
+        steps, count = self.task.padded_horizon, self.algorithm.environments
         activations = 2 * 4 * max(self.algorithm.hidden, default=0) * self.steps_per_epoch
-        needed, free = 4 * size + activations, free_bytes()
-        if free is not None and needed > free:
-            steps = self.task.padded_horizon
-            raise UserError(
-                f"episodes of {steps:,} steps in {self.algorithm.environments:,} environments "
-                f"need about {needed / 1e9:.1f} GB of memory, but {free / 1e9:.1f} GB are free; "
-                f"about {max(0, int(steps * free / needed)):,} steps would fit"
-            )
+        require_memory(batch, steps, count, beside=activations)
 
     def _problem_shapes(self) -> Problem:
         """Stands for the problem, or for the stacked problems, of an epoch."""
@@ -225,6 +217,16 @@ class Tgpo:
 
     name: str
     title: str
+
+    @property
+    def chooses_times(self) -> bool:
+        """The critic chooses among schedules."""
+        return True
+
+    @property
+    def hyper_parameters(self) -> type:
+        """The type of its presets."""
+        return Algorithm
 
     def preset(self, mode: str, robot: Robot) -> Algorithm:
         """Hyper-parameters in a mode for a robot."""

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from core.controller import NO_SCHEDULES
 from core.errors import UserError
 from scenes import Scene, format_scene
 from studio.export.archives import LARGEST_UPLOAD, ArchiveError, bundle_zip, read_policy_zip
@@ -67,6 +68,8 @@ def heatmap_file(session: Session) -> Download:
     picture, recording = session.analyst.picture, session.player.recording
     if picture is None:
         raise UserError("There is no heatmap yet. Train first, or load a policy.")
+    if picture.subject.controller.search is None:
+        raise UserError(f"There is no heatmap to export. {NO_SCHEDULES}")
     task = picture.subject.task
     marks = [Mark(picture.choice, "#ffffff", "the critic's choice")]
     if recording is not None and recording.task is task:

@@ -3,6 +3,7 @@
 import math
 import time
 
+from core.methods import METHODS
 from core.methods.training import TrainingConfig
 from studio.page.figures.svg import escape
 from studio.page.session import Session
@@ -118,6 +119,8 @@ def _sentence(session: Session) -> str:
 
 
 def _invitation(session: Session) -> str:
+    if not METHODS[session.settings.method].chooses_times:
+        return "Trains a policy for the formula as a whole, from scratch."
     if session.planner.training is None or not session.settings.from_weights:
         return "Trains a policy and a critic for the formula, usually in 10–40 s."
     return "Trains the robot's weights further for this formula, usually in seconds."

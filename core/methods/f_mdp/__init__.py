@@ -1,0 +1,1 @@
+"""F-MDP: the state has a flag for each subformula (App. A.3)."""
