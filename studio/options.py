@@ -133,6 +133,11 @@ def chosen_action(options: Options) -> str:
     """
     given = {f.name for f in fields(options) if getattr(options, f.name) != f.default}
     action = next((name for name in ALLOWED if name in given), "page")
+    if action == "plan" and "method" in given:
+        raise UserError(
+            "--method cannot be used with --plan: it answers by tgpo's weights, without training. "
+            "Other methods are trained first, with --train-only"
+        )
     for name in sorted(given - ALLOWED[action]):
         beside = ", ".join(_flag(other) for other in sorted(ALLOWED[action] - {action}))
         where = "without --train-only" if action == "page" else f"with {_flag(action)}"
