@@ -54,6 +54,16 @@ def settled_by_chance(
     return found
 
 
+def times_met(task: Task, margins: np.ndarray) -> tuple[int, ...]:
+    """Times at which a whole trace [T + 1, A] has met what it could, of one that had no schedule.
+
+    Where a time's subgoals were never met it is the earliest, and so is the branch.
+    """
+    low = tuple(variable.low for variable in task.grounding.decomposition.variables)
+    met = settled_by_chance(task, low, margins, {})
+    return tuple(met.get(index, value) for index, value in enumerate(low))
+
+
 def reopened(task: Task, settled: Settled) -> Settled:
     """What stays settled where every time is given up that an open one is tied to.
 

@@ -1,6 +1,6 @@
 """What a controller answers: a plan, the rollout of a schedule, rollouts from random starts."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -58,7 +58,7 @@ def planned(subject: Subject, start: tuple[float, ...] | None, asked: bool) -> A
     compile_together(*answer_jobs(task, controller))  # so that the time told is the answer's
     found = answer(task, controller, initial_state(task, start))
     recordings = [
-        record(task, plan.schedule, plan.states, plan.actions, plan.margins)
+        record(task, _times(subject, plan.schedule), plan.states, plan.actions, plan.margins)
         for plan in (found.plan, *found.alternatives)
     ]
     return Answer(subject, (recordings[0],), tuple(recordings[1:]), found.seconds, asked)
@@ -74,7 +74,7 @@ def moved_on(subject: Subject, move: Move) -> Answer:
     plan = found.plan
     recording = record(
         task,
-        plan.schedule,
+        _times(subject, plan.schedule),
         plan.states,
         plan.actions,
         plan.margins,
@@ -96,7 +96,7 @@ def rolled_out(
         repeated(initial_state(task, start), count),
         repeated(jnp.asarray(padded(task, schedule)), count),
     )
-    return record(task, schedule, *(np.asarray(trace)[:, 0] for trace in rollout))
+    return record(task, _times(subject, schedule), *(np.asarray(trace)[:, 0] for trace in rollout))
 
 
 def random_starts(subject: Subject, seed: int) -> tuple[Recording, ...]:
@@ -110,7 +110,12 @@ def random_starts(subject: Subject, seed: int) -> tuple[Recording, ...]:
         schedules, _ = choose_schedules(task.problem, controller, choice_key, states)
         traces = [np.asarray(field) for field in roll_out(task, controller, states, schedules)]
         found += [
-            record(task, schedule, *(trace[:, index] for trace in traces))
+            record(task, _times(subject, schedule), *(trace[:, index] for trace in traces))
             for index, schedule in enumerate(np.asarray(schedules))
         ]
     return tuple(found[:SAMPLE])
+
+
+def _times(subject: Subject, schedule: Any) -> Any | None:
+    """The schedule that was carried out; None where the controller ignored it."""
+    return None if subject.controller.search is None else schedule

@@ -9,6 +9,7 @@ import numpy as np
 from core.decompose import Kind, task_name
 from core.evaluation import trace_robustness
 from core.monitor import Diagnosis, MonitorRow, diagnose, leaf_status, monitor_rows
+from core.settled import times_met
 from core.stl import robustness, to_math
 from core.task.task import Task
 
@@ -97,7 +98,8 @@ def record(
 
     Args:
         task: the grounded task.
-        schedule: values of the variables [V], padding included or not.
+        schedule: values of the variables [V], padding included or not; None where there was none:
+            then the times at which the trace has met its tasks.
         states: [L + 1, n], L at least the task's horizon.
         actions: [L, m].
         margins: [L + 1, A] of the atoms [m], padding included or not.
@@ -106,6 +108,8 @@ def record(
     length = task.horizon + 1
     states, actions = np.asarray(states)[:length], np.asarray(actions)[: length - 1]
     margins = np.asarray(margins)[:length, : len(task.grounding.atoms)]
+    if schedule is None:
+        schedule = times_met(task, margins)
     chosen = task.grounding.decomposition.own_values(schedule)
     position = np.asarray(task.robot.position(states))  # pyright: ignore[reportArgumentType]
     flat = np.zeros((length, 3))

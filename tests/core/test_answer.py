@@ -25,6 +25,10 @@ class Seeker:
 
     search = Search()
 
+    @property
+    def attempts(self):
+        return (self,)
+
     def score(self, problem, state, schedule):
         return jnp.zeros(())
 

@@ -11,9 +11,12 @@ import numpy as np
 import pytest
 
 from core.controller import NO_SCHEDULES
+from core.errors import UserError
+from core.settled import times_met
 from studio.page import picture as module
 from studio.page.analyst import Analyst
 from studio.page.asking import SAMPLE
+from studio.page.files.keeping import heatmap_file
 from studio.page.panels.heatmap import HeatmapPanel
 from studio.page.picture import MapView
 from studio.page.subject import Subject
@@ -30,6 +33,10 @@ class Reactive:
     action: jax.Array
 
     search = None
+
+    @property
+    def attempts(self):
+        return (self,)
 
     def score(self, problem, state, schedule):
         return jnp.zeros(())
@@ -98,6 +105,13 @@ def test_a_method_with_schedules_has_its_map(panel, picture):
     panel._options.show.assert_called_once_with(other)
 
 
+def test_there_is_no_map_to_export(picture):
+    player = SimpleNamespace(recording=None)
+    session = SimpleNamespace(analyst=SimpleNamespace(picture=picture), player=player)
+    with pytest.raises(UserError, match=NO_SCHEDULES):
+        heatmap_file(cast(Any, session))
+
+
 def test_it_is_rolled_out(linear_task, subject):
     analyst = Analyst()
     analyst.watched = False
@@ -108,6 +122,7 @@ def test_it_is_rolled_out(linear_task, subject):
     assert wait_for(lambda: analyst.answer is not None, 120), analyst.error
     assert analyst.answer is not None
     (recording,) = analyst.answer.recordings
+    assert recording.schedule == times_met(linear_task, recording.margins)
     moved = np.diff(recording.states[:, 0])[:5]
     assert (moved > 0).all() and np.ptp(moved) < 1e-5
     analyst.ask_sample()
