@@ -10,7 +10,7 @@ import pytest
 from core.checkpoint import load_tree, save_tree
 from core.errors import UserError
 from core.methods import METHODS
-from core.methods.training import TrainingConfig, fresh_state
+from core.methods.training import TrainingConfig, fresh_state, state_from_weights
 from core.rollout import roll_out
 from scenes import load_task, robot_of
 from studio.cli import main
@@ -55,6 +55,7 @@ def test_what_is_kept_is_read_again(task, tmp_path, name):
     like = fresh_state(task, replace(training, seed=5))
     assert same(load_tree(tmp_path / "state", like, kind="checkpoint"), state)
     assert not same(like, state)
+    assert same(state_from_weights(task, training, state.best).best, state.best)
 
     config = RunConfig(SCENE, "studio", training)
     write_document(tmp_path / "config.json", config.document())
