@@ -20,7 +20,7 @@ class WholeFormula:
 
     mode: ModeName = "studio"
     hidden: Layers = (64, 64)
-    evaluation_states: Size = 128
+    evaluation_states: Size = 51
     """Initial states of an evaluation during training; the final one always has 512."""
 
     layouts: ClassVar[int] = 1
