@@ -161,6 +161,10 @@ class CrossEntropyLearner:
         """Iterations do not change."""
         return None
 
+    def _draw_attempts(self, distribution: Distribution) -> int:
+        """Draw what evaluations draw, so that none of them waits for a compilation."""
+        return len(self.controller(distribution).attempts)
+
     @property
     def _network(self) -> Perceptron:
         return Perceptron(self.algorithm.hidden, self.task.robot.action_size)
@@ -188,6 +192,7 @@ class CrossEntropyLearner:
         return [
             partial(_try.compile, *trying, algorithm=self.algorithm, steps=steps),
             partial(_select.compile, *chosen, algorithm=self.algorithm),
+            partial(self._draw_attempts, state.distribution),
         ]
 
     def epoch(self, state: SearchState, number: int) -> tuple[SearchState, Epoch]:
