@@ -64,6 +64,13 @@ class RecurrentPolicy:
         heads = networks.initial(seed, self.units + count, self.units + count, algorithm.log_std)
         return PolicyWeights(heads, _initial_cell(self._cell, count, seed))
 
+    def shapes(self, task: Task) -> PolicyWeights:
+        """Of the networks and the recurrent unit."""
+        count = state_feature_count(task.problem)
+        networks = make_networks(self.hidden, task.robot.action_size)
+        heads = networks.shapes(self.units + count, self.units + count)
+        return PolicyWeights(heads, _cell_shapes(self._cell, count))
+
     def start(self, problem: Problem, weights: PolicyWeights, state: Array) -> RecurrentMemory:
         """Nothing is remembered."""
         del problem, weights, state
@@ -144,9 +151,6 @@ class RecurrentPolicy:
 
 def _initial_cell(cell: nn.GRUCell, inputs: int, seed: int) -> Any:
     """Parameters of a recurrent unit with orthogonal kernels and zero biases, made on the host."""
-    hidden = shape_of(cell.features, dtype=jnp.float32)
-    seen = shape_of(inputs, dtype=jnp.float32)
-    shapes: Any = jax.eval_shape(cell.init, jax.random.key(0), hidden, seen)
     random = np.random.default_rng([seed, 1])
 
     def made(leaf: Any) -> Array:
@@ -155,7 +159,14 @@ def _initial_cell(cell: nn.GRUCell, inputs: int, seed: int) -> Any:
         rows, columns = leaf.shape
         return jnp.asarray(orthogonal(rows, columns, random), jnp.float32)
 
-    return jax.tree.map(made, shapes)
+    return jax.tree.map(made, _cell_shapes(cell, inputs))
+
+
+def _cell_shapes(cell: nn.GRUCell, inputs: int) -> Any:
+    """Stands for the parameters of a recurrent unit."""
+    hidden = shape_of(cell.features, dtype=jnp.float32)
+    seen = shape_of(inputs, dtype=jnp.float32)
+    return jax.eval_shape(cell.init, jax.random.key(0), hidden, seen)
 
 
 def _policy(algorithm: Recurrent) -> RecurrentPolicy:

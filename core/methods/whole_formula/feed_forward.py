@@ -65,6 +65,14 @@ class FeedForwardPolicy:
         count = self._feature_count(task.problem, data)
         return PolicyWeights(networks.initial(seed, count, count, algorithm.log_std), data)
 
+    def shapes(self, task: Task) -> PolicyWeights:
+        """Of the networks and the history's data."""
+        data = self.history.data(task)
+        count = self._feature_count(task.problem, data)
+        networks = make_networks(self.hidden, task.robot.action_size)
+        kept = jax.tree.map(lambda leaf: shape_of(*leaf.shape, dtype=leaf.dtype), data)
+        return PolicyWeights(networks.shapes(count, count), kept)
+
     def start(self, problem: Problem, weights: PolicyWeights, state: Array) -> Any:
         """The history before the first step."""
         del state

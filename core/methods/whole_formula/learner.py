@@ -162,8 +162,7 @@ class PolicyLearner:
 
     def weight_shapes(self) -> PolicyWeights:
         """Stands for the weights of any state."""
-        weights = self.policy.initial(self.task, self.algorithm, 0)
-        return jax.tree.map(lambda leaf: shape_of(*leaf.shape, dtype=leaf.dtype), weights)
+        return self.policy.shapes(self.task)
 
     def weights(self, state: LearnerState) -> PolicyWeights:
         """Of the policy."""

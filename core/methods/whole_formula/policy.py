@@ -44,6 +44,14 @@ class Policy(Protocol):
         """
         ...
 
+    def shapes(self, task: Task) -> PolicyWeights:
+        """Stands for the weights; nothing of their size is made.
+
+        Raises:
+            UserError: as `initial`.
+        """
+        ...
+
     def start(self, problem: Problem, weights: PolicyWeights, state: Array) -> Any:
         """Memory before the first step of an episode from a state [n]."""
         ...

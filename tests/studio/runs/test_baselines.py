@@ -145,3 +145,12 @@ def test_a_formula_outside_of_the_fragment_leaves_no_folder(tmp_path, capsys, di
     assert main(asked) == 2
     assert "`F_[10:20](G_[0:10](A3))` holds a third layer" in capsys.readouterr().err
     assert not out.exists()
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_shapes_of_weights_are_those_of_fresh_ones(task, name):
+    learner = METHODS[name].learner(task, small(name))
+    weights, shapes = learner.weights(learner.fresh(0)), learner.weight_shapes()
+    assert jax.tree.structure(weights) == jax.tree.structure(shapes)
+    pairs = zip(jax.tree.leaves(weights), jax.tree.leaves(shapes), strict=True)
+    assert all((one.shape, one.dtype) == (other.shape, other.dtype) for one, other in pairs)
