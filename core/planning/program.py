@@ -1,0 +1,110 @@
+"""A mixed-integer linear program, put together row by row and solved by HiGHS.
+
+HiGHS is called through its own package: `scipy.optimize.milp` cannot begin with a known solution,
+and the version that scipy 1.17 carries breaks off with an error on some of our programs.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import highspy
+import numpy as np
+
+INFINITY = math.inf
+
+
+class _Solver(highspy.Highs):
+    """HiGHS without the banner that it prints when its callbacks are set up."""
+
+    def enableCallbacks(self) -> None:  # noqa: N802
+        """Set up none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What became of a maximisation."""
+
+    values: np.ndarray | None
+    """Of all columns; None if no solution was found."""
+    bound: float
+    """That no solution exceeds; -inf if it is proved that there is none."""
+
+
+@dataclass
+class Program:
+    """Columns with bounds and rows `low <= a . x <= high`, to which more can be added."""
+
+    lows: list[float] = field(default_factory=list)
+    highs: list[float] = field(default_factory=list)
+    integer: list[bool] = field(default_factory=list)
+    rows: list[tuple[float, float]] = field(default_factory=list)
+    starts: list[int] = field(default_factory=lambda: [0])
+    indices: list[int] = field(default_factory=list)
+    entries: list[float] = field(default_factory=list)
+
+    def column(self, low: float, high: float, *, integer: bool = False) -> int:
+        """Add a column; returns its index."""
+        self.lows.append(low)
+        self.highs.append(high)
+        self.integer.append(integer)
+        return len(self.lows) - 1
+
+    def row(self, terms: Mapping[int, float], low: float, high: float) -> None:
+        """Add a row."""
+        kept = {column: entry for column, entry in terms.items() if entry != 0}
+        self.indices += kept.keys()
+        self.entries += kept.values()
+        self.starts.append(len(self.indices))
+        self.rows.append((low, high))
+
+    def maximise(
+        self, column: int, seconds: float, start: Mapping[int, float] | None = None
+    ) -> Solution:
+        """Maximise a column on one thread.
+
+        Args:
+            column: what is maximised.
+            seconds: of search, at most.
+            start: values of some columns, from which the others follow, of a known solution.
+        """
+        solver = _Solver()
+        solver.setOptionValue("output_flag", False)
+        solver.setOptionValue("threads", 1)
+        solver.setOptionValue("time_limit", max(seconds, 0.01))
+        solver.passModel(self._model(column))
+        if start:
+            columns = np.array(list(start), np.int32)
+            solver.setSolution(len(columns), columns, np.array(list(start.values()), float))
+        solver.run()
+        return _solution(solver)
+
+    def _model(self, column: int) -> highspy.HighsLp:
+        model, count = highspy.HighsLp(), len(self.lows)
+        model.num_col_, model.num_row_ = count, len(self.rows)
+        model.sense_ = highspy.ObjSense.kMaximize
+        model.col_cost_ = np.eye(1, count, column)[0]
+        model.col_lower_, model.col_upper_ = np.array(self.lows), np.array(self.highs)
+        low, high = np.array(self.rows, float).reshape(-1, 2).T
+        model.row_lower_, model.row_upper_ = low, high
+        kinds = (highspy.HighsVarType.kContinuous, highspy.HighsVarType.kInteger)
+        model.integrality_ = [kinds[whole] for whole in self.integer]
+        matrix = model.a_matrix_
+        matrix.format_ = highspy.MatrixFormat.kRowwise
+        matrix.num_col_, matrix.num_row_ = count, len(self.rows)
+        matrix.start_ = np.array(self.starts, np.int32)
+        matrix.index_ = np.array(self.indices, np.int32)
+        matrix.value_ = np.array(self.entries, float)
+        return model
+
+
+def _solution(solver: highspy.Highs) -> Solution:
+    status, info = solver.getModelStatus(), solver.getInfo()
+    if status == highspy.HighsModelStatus.kInfeasible:
+        return Solution(None, -INFINITY)
+    found = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
+    values = np.array(solver.getSolution().col_value) if found else None
+    if any(kind == highspy.HighsVarType.kInteger for kind in solver.getLp().integrality_):
+        return Solution(values, info.mip_dual_bound)
+    solved = status == highspy.HighsModelStatus.kOptimal
+    return Solution(values, info.objective_function_value if solved else INFINITY)
