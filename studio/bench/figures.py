@@ -17,6 +17,14 @@ DPI = 130
 POINTS = 200
 """Of a curve."""
 
+ON_BAR: dict[str, Any] = {
+    "textcoords": "offset points",
+    "ha": "center",
+    "size": 6,
+    "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.8},
+}
+"""How the number of runs stands on its bar."""
+
 
 def bars(
     path: Path,
@@ -47,11 +55,11 @@ def bars(
     if beside:
         heights = [beside.get(name, np.nan) for name in names]
         axes.bar(place - shift, heights, width, color=PUBLISHED_COLOR, label=citation)
-        axes.legend(fontsize=7)
+        _legend(axes)
     for x, name in zip(place, names, strict=True):
         estimate = estimates[name]
         note = f"{estimate.runs} runs\n{estimate.seeds} seeds"
-        axes.annotate(note, (x + shift, 0), (0, 2), textcoords="offset points", ha="center", size=6)
+        axes.annotate(note, (x + shift, 0), (0, 2), **ON_BAR)
     axes.set_xticks(place, names, rotation=25, ha="right", size=8)
     axes.set_ylabel(label)
     axes.set_title(title, size=10)
@@ -80,7 +88,7 @@ def curves(path: Path, title: str, rows_by_name: Mapping[str, Sequence[Mapping[s
     axes.set_ylabel("success rate")
     axes.set_ylim(-0.02, 1.02)
     axes.set_title(title, size=10)
-    axes.legend(fontsize=7)
+    _legend(axes)
     _save(figure, path)
 
 
@@ -103,14 +111,20 @@ def sweep(
         given = sorted(beside)
         heights = [beside[step] for step in given]
         axes.plot(given, heights, "s--", color="#888e99", label=citation)
-        axes.legend(fontsize=7)
+        _legend(axes)
     for step, mean in zip(steps, means, strict=True):
         note = f"{estimates[step].runs} runs"
         axes.annotate(note, (step, mean), (0, -12), textcoords="offset points", size=6)
+    axes.set_ylim(0, 1.15 * max(means + list((beside or {}).values())))
     axes.set_xlabel("horizon T [steps]")
     axes.set_ylabel(label)
     axes.set_title(title, size=10)
     _save(figure, path)
+
+
+def _legend(axes: Any) -> None:
+    """Below the axes, where it hides nothing."""
+    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=2, frameon=False)
 
 
 def _save(figure: Any, path: Path) -> None:

@@ -115,7 +115,7 @@ class _Report:
 
     def _variants(self, rows: Rows) -> None:
         """Each variant of a method on a robot, its preset included."""
-        scratch = [row for row in rows if row["weights"] == "none"]
+        scratch = [row for row in rows if row["weights"] == "none" and not _stretched(row)]
         for (robot, method, mode), part in _by(scratch, _method).items():
             if len(_different(part, "variant")) < 2:
                 continue
@@ -128,7 +128,7 @@ class _Report:
 
     def _horizons(self, rows: Rows) -> None:
         """Success and training time by horizon, where there are several of the same tasks."""
-        for (robot, method, mode), part in _by(_main(rows, all_horizons=True), _method).items():
+        for (robot, method, mode), part in _by(_main(rows, stretched=True), _method).items():
             by_steps = _by(part, lambda row: row["horizon"])
             if len(by_steps) < 2:
                 continue
@@ -194,12 +194,15 @@ class _Report:
         self._parts.append(f"<table>{head}{''.join(lines)}</table>")
 
 
-def _main(rows: Rows, *, all_horizons: bool = False) -> Rows:
-    """Runs of presets; of a task, only those of its own horizon unless all are wanted."""
+def _main(rows: Rows, *, stretched: bool = False) -> Rows:
+    """Runs of presets: those of the tasks as they are, or those with a horizon of their own."""
     own = [row for row in rows if row["variant"] == DEFAULT]
-    if all_horizons:
-        return [row for row in own if json.loads(row["job"])["horizon"] is not None]
-    return [row for row in own if json.loads(row["job"])["horizon"] is None]
+    return [row for row in own if _stretched(row) == stretched]
+
+
+def _stretched(row: Row) -> bool:
+    """Whether a run was asked for with a horizon."""
+    return json.loads(row["job"])["horizon"] is not None
 
 
 def _name(row: Row) -> str:
