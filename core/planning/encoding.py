@@ -10,17 +10,17 @@ least r. So all solutions are sound, and the largest r is the largest robustness
     f U g:        u_k <= f_k, u_k <= g_k + u_{k+1}       its negation: e_k <= (!f)_k + e_{k-1}
 
 Only the columns of atoms and facets are binary. What a formula asks of a step in any case needs
-none; facets and atoms that the robot cannot reach at a step have none either.
+none; facets and atoms that no position in a step's box has with the least r have none either. So
+the larger the least r, the smaller the program, and the tighter its relaxation.
 """
 
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
 
 import numpy as np
 
 from core.planning.outline import Facets, Sides
 from core.planning.program import INFINITY, Program
-from core.planning.reach import SLACK, Literal
+from core.planning.reach import Literal
 from core.planning.trace import Trace
 from core.planning.values import negated
 from core.stl import (
@@ -51,10 +51,10 @@ class Encoder:
             sides: what stands for the regions.
         """
         self._program, self._trace, self._sides = program, trace, sides
-        self._robustness, self._most = robustness, program.highs[robustness]
+        self._robustness = robustness
+        self._least, self._most = program.lows[robustness], program.highs[robustness]
         self._known: dict[Literal, Truth] = {}
         self._clear: dict[tuple[str, tuple[int, ...]], list[Truth]] = {}
-        self._kept: dict[int, list[_Kept]] = {}
 
     def require(self, formula: Formula, certain: Iterable[Literal]) -> None:
         """Have a formula hold at step 0, and first what follows from it at certain steps."""
@@ -136,7 +136,7 @@ class Encoder:
         match literal:
             case Atom(name):
                 for normal, offset in zip(*self._sides[name].wanted, strict=True):
-                    self._keep(_Kept(-normal, -offset, step))
+                    self._keep(-normal, -offset, step)
             case Not(operand=Atom(name)):
                 self._require_one(self._outside(name, step, certain=True))
 
@@ -148,14 +148,14 @@ class Encoder:
     def _inside(self, facets: Facets, step: int) -> Truth:
         """Whether a step is inside a region: a column for all of its facets."""
         low, high = self._box(step)
-        if (facets.least(low, high) > SLACK).any():
+        if (-facets.least(low, high) < self._least).any():
             return False
         cutting = facets.most(low, high) > -self._most
         if not cutting.any():
             return True
         chosen = self._program.column(0, 1, integer=True)
         for normal, offset in zip(*(part[cutting] for part in facets), strict=True):
-            self._keep(_Kept(-normal, -offset, step), chosen)
+            self._keep(-normal, -offset, step, chosen)
         return chosen
 
     def _outside(self, name: str, step: int, *, certain: bool = False) -> list[Truth]:
@@ -173,46 +173,29 @@ class Encoder:
         least = np.min([facets.least(*box) for box in boxes], axis=0)
         if (least >= self._most).any():
             return [True]
-        can = np.min([facets.most(*box) for box in boxes], axis=0) >= -SLACK
+        can = np.min([facets.most(*box) for box in boxes], axis=0) >= self._least
         normals, offsets = facets.normals[can], facets.offsets[can]
         alone = certain and len(normals) == 1
         ways: list[Truth] = []
         for normal, offset in zip(normals, offsets, strict=True):
             chosen = None if alone else self._program.column(0, 1, integer=True)
             for step in span:
-                self._keep(_Kept(normal, offset, step), chosen)
+                self._keep(normal, offset, step, chosen)
             ways.append(True if chosen is None else chosen)
         return ways
 
-    def _keep(self, kept: "_Kept", chosen: int | None = None) -> None:
+    def _keep(
+        self, normal: np.ndarray, offset: float, step: int, chosen: int | None = None
+    ) -> None:
         """Keep n . p - o >= r at a step: always, or where a column is chosen."""
-        terms = self._trace.along(kept.normal, kept.step) | {self._robustness: -1.0}
+        terms = self._trace.along(normal, step) | {self._robustness: -1.0}
         slack = 0.0
         if chosen is not None:
-            low, high = self._box(kept.step)
-            least = np.minimum(kept.normal * low, kept.normal * high).sum() - kept.offset
-            slack = max(self._most - least, 0.0)
+            low, high = self._box(step)
+            lowest = float(np.minimum(normal * low, normal * high).sum()) - offset
+            slack = max(self._most - lowest, 0.0)
             terms[chosen] = -slack
-            self._kept.setdefault(chosen, []).append(kept)
-        self._program.row(terms, kept.offset - slack, INFINITY)
+        self._program.row(terms, offset - slack, INFINITY)
 
     def _box(self, step: int) -> tuple[np.ndarray, np.ndarray]:
         return self._trace.boxes.low[step], self._trace.boxes.high[step]
-
-    def choices(self, positions: np.ndarray, robustness: float) -> dict[int, float]:
-        """The binary columns of a trace [T + 1, d] with a robustness [m]."""
-        return {
-            column: float(all(kept.value(positions) >= robustness - SLACK for kept in rows))
-            for column, rows in self._kept.items()
-        }
-
-
-class _Kept(NamedTuple):
-    """n . p - o is to be at least r at a step."""
-
-    normal: np.ndarray  # [d]
-    offset: float
-    step: int
-
-    def value(self, positions: np.ndarray) -> float:
-        return float(self.normal @ positions[self.step] - self.offset)

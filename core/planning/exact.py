@@ -4,10 +4,12 @@ For a robot that moves by bounded strides, p' = p + u with |u_i| <= stride_i. On
 satisfy the formula are searched, so that it is found out, too, if there is none:
 
 1. Boxes of positions and a ceiling (`reach`, `ceiling`) may decide it already.
-2. A small program finds a trace: velocities are kept for some steps, and the outlines of the
-   regions promise no more than they keep. The trace is polished.
-3. A program over all traces, whose outlines promise no less than anybody can have, begins with
-   that trace. What it proves is the bound; a better trace that it finds is polished, too.
+2. Small programs find traces: velocities are kept for some steps, and the outlines of the regions
+   promise no more than they keep. The first trace of a program is polished, and the next program
+   asks for one that is better by `TOLERANCE`.
+3. Programs over all traces, whose outlines promise no less than anybody can have, go on in the same
+   way. If there is no better trace, the optimum is proved. As obstacles grow and goals shrink by
+   what is asked for, such a program is far tighter than one that only maximises.
 4. Where the outlines keep bound and trace apart, outlines of more directions follow.
 
 The robustness of a trace is always the exact one.
@@ -27,7 +29,7 @@ from core.planning.encoding import Encoder
 from core.planning.outline import Outline, Sides
 from core.planning.polish import polish
 from core.planning.program import Program
-from core.planning.reach import SLACK, Boxes, certain, reachable
+from core.planning.reach import Boxes, certain, reachable
 from core.planning.trace import Trace
 from core.planning.values import Values
 from core.stl import (
@@ -42,7 +44,7 @@ from core.stl import (
 from core.stl.simplify import simplify
 
 HOLD = 5
-"""Steps for which the small program keeps a velocity."""
+"""Steps for which small programs keep a velocity."""
 
 DIRECTIONS = (16, 32, 64)
 """Directions of outlines in programs with choices, one after the other."""
@@ -50,8 +52,12 @@ DIRECTIONS = (16, 32, 64)
 FINE_DIRECTIONS = 128
 """Directions of outlines in programs without choices."""
 
+SLACK = 1e-5
+"""Traces of a robustness of no less than this below 0 are searched [m]: a solver keeps its rows up
+to a tolerance of 1e-6 only, and none that satisfies must be missed."""
+
 SHARE = 0.4
-"""Share of the time that the small program may take."""
+"""Share of the time that small programs may take."""
 
 TOLERANCE = 0.01
 """Distance from the bound up to which a robustness counts as the optimum [m]."""
@@ -113,71 +119,86 @@ class _Found(NamedTuple):
     robustness: float
 
 
+NOTHING = _Found(None, -np.inf)
+
+
+class _Solved(NamedTuple):
+    positions: np.ndarray | None
+    bound: float
+
+
 class _Search:
     """One search; `run` is called once."""
 
     def __init__(self, formula: Formula, setting: Setting, seconds: float):
         self.formula = simplify(negation_normal_form(fold_constants(formula)))
         self.setting, self.seconds = setting, seconds
+        self.found, self.bound = NOTHING, np.inf
         self.began = time.perf_counter()
         self.steps = -(-horizon(self.formula) // HOLD) * HOLD or HOLD
 
     def run(self) -> ExactPlan:
         if isinstance(self.formula, Constant):
             return self._constant(self.formula.value)
-        coarse = self.setting.outlines(DIRECTIONS[0])
-        outer = {name: outline.outer for name, outline in coarse.items()}
         self.certain = certain(self.formula, 0)
-        boxes = self._boxes(outer)
-        bound = -np.inf if boxes.empty else ceiling(self.formula, boxes, outer)
-        if bound < -SLACK:
-            return self._answer(_Found(None, -np.inf), -np.inf)
-        inner = {name: outline.inner for name, outline in coarse.items()}
-        found = self._small(boxes, inner, bound)
-        for directions in DIRECTIONS:
-            if found.robustness >= bound - TOLERANCE or bound < -SLACK or self._left() == 0:
-                break
-            outlines = self.setting.outlines(directions)
-            outer = {name: outline.outer for name, outline in outlines.items()}
-            found, bound = self._whole(boxes, outer, bound, found)
-        return self._answer(found, bound)
+        first = self.setting.outlines(DIRECTIONS[0])
+        outer = {name: outline.outer for name, outline in first.items()}
+        self.bound = self._ceiling(outer, -SLACK)
+        if self.bound >= -SLACK:
+            inner = {name: outline.inner for name, outline in first.items()}
+            self._improve(inner, HOLD, SHARE * self.seconds)
+            for directions in DIRECTIONS:
+                outlines = self.setting.outlines(directions)
+                outer = {name: outline.outer for name, outline in outlines.items()}
+                self._improve(outer, 1, self.seconds)
+        return self._answer()
 
-    def _small(self, boxes: Boxes, sides: Mapping[str, Sides], most: float) -> _Found:
-        """A trace with few knots, polished."""
-        program = Program()
-        trace, robustness, _ = self._encoded(program, boxes, sides, most, HOLD)
-        solved = program.maximise(robustness, SHARE * self._left())
-        if solved.values is None:
-            return _Found(None, -np.inf)
-        return self._polished(trace.positions(solved.values))
+    def _improve(self, sides: Mapping[str, Sides], hold: int, until: float) -> None:
+        """Ask for better traces until there are none, these sides find none, or time is up [s].
 
-    def _whole(
-        self, boxes: Boxes, sides: Mapping[str, Sides], most: float, found: _Found
-    ) -> tuple[_Found, float]:
-        """Search all traces; returns the best and the bound."""
-        program = Program()
-        trace, robustness, encoder = self._encoded(program, boxes, sides, most, 1)
-        start: dict[int, float] = {}
-        if found.positions is not None and found.robustness >= 0:
-            start = encoder.choices(found.positions, found.robustness)
-        solved = program.maximise(robustness, self._left(), start)
-        if solved.values is not None and solved.values[robustness] > found.robustness:
-            other = self._polished(trace.positions(solved.values))
-            found = max(found, other, key=lambda each: each.robustness)
-        return found, min(most, solved.bound)
+        Args:
+            sides: outer ones where `hold` is 1: what they do not find is not there.
+            hold: steps for which a velocity is kept.
+            until: time since the search began [s].
+        """
+        least = -np.inf
+        while least < self._least() < self.bound and self._spent() < until:
+            least = self._least()
+            solved = self._solved(sides, hold, least, until - self._spent())
+            if hold == 1:
+                known = least if self.found.robustness >= 0 else -np.inf
+                self.bound = min(self.bound, max(solved.bound, known))
+            self.found = max(self.found, self._traced(solved), key=lambda each: each.robustness)
 
-    def _encoded(
-        self, program: Program, boxes: Boxes, sides: Mapping[str, Sides], most: float, hold: int
-    ) -> tuple[Trace, int, Encoder]:
+    def _solved(
+        self, sides: Mapping[str, Sides], hold: int, least: float, seconds: float
+    ) -> "_Solved":
+        """A trace of at least some robustness, the first that is found."""
+        if self._ceiling(sides, least) < least:
+            return _Solved(None, -np.inf)
+        boxes, program = self._boxes(sides, least), Program()
         trace = Trace(program, boxes, self.setting.start, self.setting.stride, hold)
-        robustness = program.column(-SLACK, most)
-        encoder = Encoder(program, trace, robustness, sides)
-        encoder.require(self.formula, self.certain)
-        return trace, robustness, encoder
+        robustness = program.column(least, self.bound)
+        Encoder(program, trace, robustness, sides).require(self.formula, self.certain)
+        solution = program.maximise(robustness, seconds, first=True)
+        if solution.values is None:
+            return _Solved(None, solution.bound)
+        return _Solved(trace.positions(solution.values), solution.bound)
 
-    def _boxes(self, sides: Mapping[str, Sides]) -> Boxes:
+    def _traced(self, solved: "_Solved") -> "_Found":
+        return NOTHING if solved.positions is None else self._polished(solved.positions)
+
+    def _ceiling(self, sides: Mapping[str, Sides], least: float) -> float:
+        boxes = self._boxes(sides, least)
+        return -np.inf if boxes.empty else ceiling(self.formula, boxes, sides)
+
+    def _least(self) -> float:
+        """The least robustness that is still worth asking for [m]."""
+        return max(self.found.robustness + TOLERANCE, -SLACK)
+
+    def _boxes(self, sides: Mapping[str, Sides], least: float) -> Boxes:
         setting = self.setting
-        return reachable(setting.start, setting.stride, self.steps, self.certain, sides)
+        return reachable(setting.start, setting.stride, self.steps, self.certain, sides, least)
 
     def _polished(self, positions: np.ndarray) -> _Found:
         fine = self.setting.outlines(FINE_DIRECTIONS)
@@ -199,25 +220,23 @@ class _Search:
         values = Values(value)
         return values.of(self.formula, 0), list(values.supports(self.formula, 0))
 
-    def _left(self) -> float:
-        return max(self.seconds - self._spent(), 0.0)
-
     def _spent(self) -> float:
         return time.perf_counter() - self.began
 
     def _constant(self, value: bool) -> ExactPlan:
-        if not value:
-            return self._answer(_Found(None, -np.inf), -np.inf)
-        still = np.repeat(self.setting.start[None], self.steps + 1, axis=0)
-        return self._answer(_Found(still, np.inf), np.inf)
+        self.bound = np.inf if value else -np.inf
+        if value:
+            still = np.repeat(self.setting.start[None], self.steps + 1, axis=0)
+            self.found = _Found(still, np.inf)
+        return self._answer()
 
-    def _answer(self, found: _Found, bound: float) -> ExactPlan:
+    def _answer(self) -> ExactPlan:
+        found, bound = self.found, self.bound
         status: Status = "feasible"
         if bound < -SLACK:
             status = "infeasible"
         elif found.robustness < 0:
-            status = "unknown"
-        elif found.robustness >= bound - TOLERANCE:
+            status, found = "unknown", NOTHING
+        elif bound <= self._least():
             status = "optimal"
-        kept = found if found.robustness >= 0 else _Found(None, -np.inf)
-        return ExactPlan(status, *kept, bound, self._spent())
+        return ExactPlan(status, *found, bound, self._spent())

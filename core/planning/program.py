@@ -1,7 +1,7 @@
 """A mixed-integer linear program, put together row by row and solved by HiGHS.
 
-HiGHS is called through its own package: `scipy.optimize.milp` cannot begin with a known solution,
-and the version that scipy 1.17 carries breaks off with an error on some of our programs.
+HiGHS is called through its own package: the version that scipy 1.17 carries breaks off with an
+error on some of our programs, and `scipy.optimize.milp` holds back Ctrl-C until its time is up.
 """
 
 import math
@@ -13,6 +13,9 @@ import highspy
 import numpy as np
 
 INFINITY = math.inf
+
+STOPPED = (highspy.HighsModelStatus.kTimeLimit, highspy.HighsModelStatus.kSolutionLimit)
+"""Ends of a search whose solution and bound count although it was not brought to its end."""
 
 
 class _Solver(highspy.Highs):
@@ -59,24 +62,21 @@ class Program:
         self.starts.append(len(self.indices))
         self.rows.append((low, high))
 
-    def maximise(
-        self, column: int, seconds: float, start: Mapping[int, float] | None = None
-    ) -> Solution:
+    def maximise(self, column: int, seconds: float, *, first: bool = False) -> Solution:
         """Maximise a column on one thread.
 
         Args:
             column: what is maximised.
             seconds: of search, at most.
-            start: values of some columns, from which the others follow, of a known solution.
+            first: whether to stop at the first solution.
         """
         solver = _Solver()
         solver.setOptionValue("output_flag", False)
         solver.setOptionValue("threads", 1)
         solver.setOptionValue("time_limit", max(seconds, 0.01))
+        if first:
+            solver.setOptionValue("mip_max_improving_sols", 1)
         solver.passModel(self._model(column))
-        if start:
-            columns = np.array(list(start), np.int32)
-            solver.setSolution(len(columns), columns, np.array(list(start.values()), float))
         _run(solver)
         return _solution(solver)
 
@@ -112,7 +112,7 @@ def _solution(solver: highspy.Highs) -> Solution:
     if status == highspy.HighsModelStatus.kInfeasible:
         return Solution(None, -INFINITY)
     solved = status == highspy.HighsModelStatus.kOptimal
-    if not solved and status != highspy.HighsModelStatus.kTimeLimit:
+    if not solved and status not in STOPPED:
         return Solution(None, INFINITY)
     found = info.primal_solution_status == highspy.SolutionStatus.kSolutionStatusFeasible
     values = np.array(solver.getSolution().col_value) if found else None

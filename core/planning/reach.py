@@ -12,15 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.planning.outline import Facets, Sides
+from core.planning.outline import Sides
 from core.stl import Always, And, Atom, Eventually, Formula, Not, Or, Until
 
 ROUNDS = 3
 """Times that the boxes are cut from the front and from the back."""
 
-SLACK = 1e-5
-"""Traces of a robustness of no less than this below 0 are searched [m]: a solver keeps its rows up
-to a tolerance of 1e-6 only, and none that satisfies must be missed."""
 
 Literal = tuple[Formula, int]
 """An atom or its negation, and a step."""
@@ -78,6 +75,7 @@ def reachable(
     steps: int,
     literals: Iterable[Literal],
     sides: Mapping[str, Sides],
+    least: float,
 ) -> Boxes:
     """Boxes around the positions of a trace on which some literals hold.
 
@@ -87,6 +85,7 @@ def reachable(
         steps: T.
         literals: what holds.
         sides: what stands for the regions.
+        least: robustness with which they hold [m].
     """
     asked: list[list[Formula]] = [[] for _ in range(steps + 1)]
     for literal, step in literals:
@@ -102,37 +101,32 @@ def reachable(
                     low[step] = np.maximum(low[step], low[before] - stride)
                     high[step] = np.minimum(high[step], high[before] + stride)
                 for literal in asked[step]:
-                    low[step], high[step] = _cut(literal, low[step], high[step], sides)
+                    low[step], high[step] = _cut(literal, low[step], high[step], sides, least)
                 before = step
     return Boxes(low, high)
 
 
 def _cut(
-    literal: Formula, low: np.ndarray, high: np.ndarray, sides: Mapping[str, Sides]
+    literal: Formula, low: np.ndarray, high: np.ndarray, sides: Mapping[str, Sides], least: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """The part of a box in which a literal can hold, as a box."""
     if not np.isfinite([low, high]).all():
         return low, high
     if isinstance(literal, Atom):
         for normal, offset in zip(*sides[literal.name].wanted, strict=True):
-            low, high = _below(normal, offset + SLACK, low, high)
+            low, high = _below(normal, offset - least, low, high)
         return low, high
     assert isinstance(literal, Not) and isinstance(literal.operand, Atom)
     facets = sides[literal.operand.name].avoided
+    can = facets.most(low, high) >= least
     parts = [
-        _below(-normal, SLACK - offset, low, high)
-        for normal, offset in _that_can_hold(facets, low, high)
+        _below(-normal, -offset - least, low, high)
+        for normal, offset in zip(facets.normals[can], facets.offsets[can], strict=True)
     ]
     if not parts:
         return np.full_like(low, np.inf), np.full_like(high, -np.inf)
     lows, highs = zip(*parts, strict=True)
     return np.min(lows, axis=0), np.max(highs, axis=0)
-
-
-def _that_can_hold(facets: Facets, low: np.ndarray, high: np.ndarray):
-    """Facets that are not negative all over a box."""
-    can = facets.most(low, high) >= -SLACK
-    return zip(facets.normals[can], facets.offsets[can], strict=True)
 
 
 def _below(
