@@ -10,7 +10,8 @@ satisfy the formula are searched, so that it is found out, too, if there is none
 3. Programs over all traces, whose outlines promise no less than anybody can have, go on in the same
    way. If there is no better trace, the optimum is proved. As obstacles grow and goals shrink by
    what is asked for, such a program is far tighter than one that only maximises.
-4. Where the outlines keep bound and trace apart, outlines of more directions follow.
+4. Where the outlines keep bound and trace apart, outlines of more directions follow; the last ones
+   are searched to the end for the best bound.
 
 The robustness of a trace is always the exact one.
 
@@ -150,37 +151,41 @@ class _Search:
             for directions in DIRECTIONS:
                 outlines = self.setting.outlines(directions)
                 outer = {name: outline.outer for name, outline in outlines.items()}
-                self._improve(outer, 1, self.seconds)
+                last = directions == DIRECTIONS[-1]
+                self._improve(outer, 1, self.seconds, first=not last)
         return self._answer()
 
-    def _improve(self, sides: Mapping[str, Sides], hold: int, until: float) -> None:
+    def _improve(
+        self, sides: Mapping[str, Sides], hold: int, until: float, *, first: bool = True
+    ) -> None:
         """Ask for better traces until there are none, these sides find none, or time is up [s].
 
         Args:
             sides: outer ones where `hold` is 1: what they do not find is not there.
             hold: steps for which a velocity is kept.
             until: time since the search began [s].
+            first: whether a program stops at its first trace, or at the best.
         """
         least = -np.inf
         while least < self._least() < self.bound and self._spent() < until:
             least = self._least()
-            solved = self._solved(sides, hold, least, until - self._spent())
+            solved = self._solved(sides, hold, least, until - self._spent(), first)
             if hold == 1:
                 known = least if self.found.robustness >= 0 else -np.inf
                 self.bound = min(self.bound, max(solved.bound, known))
             self.found = max(self.found, self._traced(solved), key=lambda each: each.robustness)
 
     def _solved(
-        self, sides: Mapping[str, Sides], hold: int, least: float, seconds: float
+        self, sides: Mapping[str, Sides], hold: int, least: float, seconds: float, first: bool
     ) -> "_Solved":
-        """A trace of at least some robustness, the first that is found."""
+        """A trace of at least some robustness, the first or the best."""
         if self._ceiling(sides, least) < least:
             return _Solved(None, -np.inf)
         boxes, program = self._boxes(sides, least), Program()
         trace = Trace(program, boxes, self.setting.start, self.setting.stride, hold)
         robustness = program.column(least, self.bound)
         Encoder(program, trace, robustness, sides).require(self.formula, self.certain)
-        solution = program.maximise(robustness, seconds, first=True)
+        solution = program.maximise(robustness, seconds, first=first)
         if solution.values is None:
             return _Solved(None, solution.bound)
         return _Solved(trace.positions(solution.values), solution.bound)
@@ -194,7 +199,8 @@ class _Search:
 
     def _least(self) -> float:
         """The least robustness that is still worth asking for [m]."""
-        return max(self.found.robustness + TOLERANCE, -SLACK)
+        found = self.found.robustness
+        return found + TOLERANCE if found >= 0 else -SLACK
 
     def _boxes(self, sides: Mapping[str, Sides], least: float) -> Boxes:
         setting = self.setting

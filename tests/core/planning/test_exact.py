@@ -119,6 +119,17 @@ def test_what_holds_at_its_boundary_only_is_not_called_infeasible():
     assert found.bound == pytest.approx(0.0, abs=1e-4)
 
 
+@pytest.mark.parametrize("gap", [0.002, 0.006])
+def test_a_narrow_way_is_not_overlooked(gap):
+    """Polygons around the discs close it, polygons in them open it too far."""
+    discs = [Region(f"D{i}", "circle", (0.75, y), (1.0,)) for i, y in enumerate((-1.0, 1.0 + gap))]
+    regions = (Region("A", "rectangle", (1.75, 0.0), (0.5, 0.5)), *discs)
+    formula = parse("F_[0:5](A) & G_[0:5](!D0 & !D1)")
+    found = plan_exactly(formula, setting((-0.75, gap / 2), regions), seconds=SECONDS)
+    assert found.status == "optimal"
+    assert 0 <= found.robustness <= found.bound + 1e-6
+
+
 def test_a_limit_of_time_leaves_bounds():
     walls = [Region(f"W{i}", "circle", (i - 2.0, 1.0), (0.4,)) for i in range(5)]
     regions = (Region("A", "circle", (0.5, 2.5), (0.5,)), *walls)
