@@ -5,11 +5,10 @@ satisfy the formula are searched, so that it is found out, too, if there is none
 
 1. Boxes of positions and a ceiling (`reach`, `ceiling`) may decide it already.
 2. Small programs find traces: velocities are kept for some steps, and the outlines of the regions
-   promise no more than they keep. The first trace of a program is polished, and the next program
-   asks for one that is better by `TOLERANCE`.
-3. Programs over all traces, whose outlines promise no less than anybody can have, go on in the same
-   way. If there is no better trace, the optimum is proved. As obstacles grow and goals shrink by
-   what is asked for, such a program is far tighter than one that only maximises.
+   promise no more than they keep. The first trace of a program is polished.
+3. Programs over all traces, whose outlines promise no less than anybody can have, ask for one that
+   is better by `TOLERANCE`. If there is none, the optimum is proved. As obstacles grow and goals
+   shrink by what is asked for, such a program is far tighter than one that only maximises.
 4. Where the outlines keep bound and trace apart, outlines of more directions follow; the last ones
    are searched to the end for the best bound.
 
@@ -147,36 +146,46 @@ class _Search:
         self.bound = self._ceiling(outer, -SLACK)
         if self.bound >= -SLACK:
             inner = {name: outline.inner for name, outline in first.items()}
-            self._improve(inner, HOLD, SHARE * self.seconds)
+            self._sketch(inner)
             for directions in DIRECTIONS:
                 outlines = self.setting.outlines(directions)
                 outer = {name: outline.outer for name, outline in outlines.items()}
                 last = directions == DIRECTIONS[-1]
-                self._improve(outer, 1, self.seconds, first=not last)
+                self._improve(outer, first=not last)
         return self._answer()
 
-    def _improve(
-        self, sides: Mapping[str, Sides], hold: int, until: float, *, first: bool = True
-    ) -> None:
-        """Ask for better traces until there are none, these sides find none, or time is up [s].
+    def _sketch(self, sides: Mapping[str, Sides]) -> None:
+        """Find traces with few knots: ask for half of what there is to gain, and halve that."""
+        gain, end = self.bound / 2, SHARE * self.seconds
+        while gain > TOLERANCE and self._spent() < end:
+            least = max(self.found.robustness, 0.0) + gain
+            self._keep(self._solved(sides, HOLD, least, (end - self._spent()) / 2))
+            reached = self.found.robustness >= least
+            gain = (self.bound - self.found.robustness) / 2 if reached else gain / 2
+
+    def _improve(self, sides: Mapping[str, Sides], *, first: bool) -> None:
+        """Ask for better traces until there are none, these sides find none, or time is up.
 
         Args:
-            sides: outer ones where `hold` is 1: what they do not find is not there.
-            hold: steps for which a velocity is kept.
-            until: time since the search began [s].
+            sides: outer ones: what they do not find is not there.
             first: whether a program stops at its first trace, or at the best.
         """
         least = -np.inf
-        while least < self._least() < self.bound and self._spent() < until:
+        while least < self._least() < self.bound and self._spent() < self.seconds:
             least = self._least()
-            solved = self._solved(sides, hold, least, until - self._spent(), first)
-            if hold == 1:
-                known = least if self.found.robustness >= 0 else -np.inf
-                self.bound = min(self.bound, max(solved.bound, known))
-            self.found = max(self.found, self._traced(solved), key=lambda each: each.robustness)
+            solved = self._solved(sides, 1, least, self.seconds - self._spent(), first=first)
+            known = least if self.found.robustness >= 0 else -np.inf
+            self.bound = min(self.bound, max(solved.bound, known))
+            self._keep(solved)
 
     def _solved(
-        self, sides: Mapping[str, Sides], hold: int, least: float, seconds: float, first: bool
+        self,
+        sides: Mapping[str, Sides],
+        hold: int,
+        least: float,
+        seconds: float,
+        *,
+        first: bool = True,
     ) -> "_Solved":
         """A trace of at least some robustness, the first or the best."""
         if self._ceiling(sides, least) < least:
@@ -190,8 +199,11 @@ class _Search:
             return _Solved(None, solution.bound)
         return _Solved(trace.positions(solution.values), solution.bound)
 
-    def _traced(self, solved: "_Solved") -> "_Found":
-        return NOTHING if solved.positions is None else self._polished(solved.positions)
+    def _keep(self, solved: "_Solved") -> None:
+        """Polish a trace, and keep it if it is the best so far."""
+        if solved.positions is not None:
+            other = self._polished(solved.positions)
+            self.found = max(self.found, other, key=lambda each: each.robustness)
 
     def _ceiling(self, sides: Mapping[str, Sides], least: float) -> float:
         boxes = self._boxes(sides, least)
