@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: studio test quick lint types unit browser benchmark latency screenshots gallery pretrain gait clean
+.PHONY: studio test quick lint types unit browser smoke benchmark latency screenshots gallery pretrain gait clean
 
 studio: $(VENV)/.installed
 	$(BIN)/tgpo-studio $(ARGS)
@@ -27,8 +27,12 @@ unit: $(VENV)/.installed-dev browser
 browser: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.tools.browser
 
+# Every method trains for two epochs: that it works, not how well.
+smoke: $(VENV)/.installed-dev
+	out=$$(mktemp -d) && $(BIN)/tgpo-bench run smoke --out $$out && $(BIN)/tgpo-bench report $$out
+
 benchmark: $(VENV)/.installed-dev
-	$(BIN)/python -m tests.tools.benchmark $(ARGS)
+	$(BIN)/tgpo-bench $(ARGS)
 
 latency: $(VENV)/.installed-dev browser
 	$(BIN)/python -m tests.tools.page_latency $(ARGS)

@@ -63,6 +63,12 @@ class Linear:
         return state + jnp.clip(action, -1.0, 1.0) * (self.max_velocity * self.dt)
 
     @property
+    def stride(self) -> tuple[float, float]:
+        """Of a step [m]: its velocity is all that the robot is, so that exact plans know it."""
+        axis = self.max_velocity * self.dt
+        return axis, axis
+
+    @property
     def begins_exactly(self) -> bool:
         """`rest` is the position itself."""
         return True
@@ -70,8 +76,7 @@ class Linear:
     def farthest(self, step: int) -> tuple[float, float, float]:
         """Of a step [m]: in x, in y and in all."""
         del step
-        axis = self.max_velocity * self.dt
-        return axis, axis, math.hypot(axis, axis)
+        return *self.stride, math.hypot(*self.stride)
 
     def position(self, state: jax.Array) -> jax.Array:
         """Position [..., 2] in [m]."""

@@ -49,6 +49,10 @@ def _run(action: str, options: Options) -> int:
         from studio.runs.explaining import explain  # noqa: PLC0415
 
         return explain(options)
+    if action == "exact":
+        from studio.runs.exact import plan_exact  # noqa: PLC0415
+
+        return plan_exact(options)
     _use_cache(options)
     actions = {
         "evaluate": commands.evaluate,

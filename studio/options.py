@@ -31,8 +31,8 @@ Folder = Annotated[Path | None, _shown("DIR")]
 class Options:
     """Type a Signal Temporal Logic formula, train a policy in seconds, and watch it run.
 
-    Serves the page unless one of --plan, --train-only, --pretrain, --resume, --evaluate and
-    --list is given.
+    Serves the page unless one of --plan, --exact, --train-only, --pretrain, --resume, --evaluate
+    and --list is given.
     """
 
     task: Annotated[str | None, _shown("NAME")] = None
@@ -62,14 +62,14 @@ class Options:
     """Training seed."""
     epochs: Annotated[int | None, _shown("INT", "200, in paper mode 1000")] = None
     """Maximum number of epochs."""
-    time_limit: Annotated[float | None, _shown("SECONDS", "none")] = None
-    """Maximum training time in seconds, not counting compilation."""
+    time_limit: Annotated[float | None, _shown("SECONDS", "none, with --exact 60")] = None
+    """Maximum training time in seconds, not counting compilation; with --exact, of the search."""
     target: Annotated[float | None, _shown("RATE", "0.995")] = None
     """Success rate at which training stops; above 1, it runs to the last epoch."""
     randomize: Flag = False
     """Train on many perturbed layouts of the regions, for a policy that generalises to new ones."""
     out: Annotated[Path | None, _shown("DIR", "runs/TASK-METHOD-SEED, numbered")] = None
-    """Run directory."""
+    """Run directory; with --exact, a JSON file for the plan."""
 
     force: Flag = False
     """Train or plan although it is proved that no behaviour can satisfy the formula."""
@@ -78,6 +78,8 @@ class Options:
     """Answer without training: find a schedule, simulate it, print the result as one JSON line."""
     starts: Annotated[int | None, _shown("INT", "64")] = None
     """With --plan: number of random starts of which the share that succeeds is measured."""
+    exact: Flag = False
+    """Prove how robust a plan from the centre of the initial set can be at most, and find one."""
     explain: Flag = False
     """Print how the formula is read: in English, and the tasks it decomposes into."""
     pretrain: Annotated[str | None, _shown("ROBOT")] = None
@@ -114,6 +116,7 @@ ALLOWED = {
     "list": {"list"},
     "explain": {"explain", "task", "scene", "formula", "variant"},
     "plan": TASK | {"plan", "force", "starts", "seed", "variant", "weights", "out"},
+    "exact": {"exact", "task", "scene", "formula", "time_limit", "out"},
     "pretrain": {"pretrain", "seed", "epochs", "time_limit", "out", "no_cache"},
     "evaluate": TASK | {"evaluate", "seed", "layouts", "variant"},
     "resume": BUDGET | {"resume", "train_only", "no_cache"},
@@ -150,6 +153,8 @@ def chosen_action(options: Options) -> str:
         raise UserError(f"--layouts: {options.layouts} must be from 1 to {MOST_LAYOUTS}")
     if options.starts is not None and not 1 <= options.starts <= MOST_STARTS:
         raise UserError(f"--starts: {options.starts} must be from 1 to {MOST_STARTS}")
+    if options.exact and options.time_limit is not None and not 0 < options.time_limit <= 1e6:
+        raise UserError(f"--time-limit: {options.time_limit} must be above 0 and at most 1e6")
     if not 0 <= options.port < 2**16:
         raise UserError(f"--port: {options.port} must be from 0 to 65535")
     return action

@@ -16,6 +16,7 @@ ALLOWED = {
     "studio/runs": {"studio.runs", "studio.options", "core", "envs", "scenes", "static"},
     "studio/export": {"studio.export", "studio.runs", "studio.theme", "core", "envs", "scenes"},
     "studio/bench": {"studio.bench", "studio.runs", "core", "envs", "scenes", "static"},
+    "studio/gym": {"studio.gym", "studio.runs", "core", "envs", "scenes"},
     "studio/page": {
         "studio.page",
         "studio.export",

@@ -59,6 +59,20 @@ def test_the_wheel_s_command_runs(installed, tmp_path):
     assert "linear-08" in result.stdout
 
 
+def test_gymnasium_finds_the_wheel_s_tasks_without_an_import_of_ours(installed, tmp_path):
+    code = (
+        "import sys, gymnasium\n"
+        "assert 'jax' not in sys.modules\n"
+        "env = gymnasium.make('tgpo/linear-08-v0')\n"
+        "print(sys.modules['studio'].__path__[0], env.reset(seed=1)[0].size)"
+    )
+    result = _run(installed, tmp_path, "-c", code)
+    assert result.returncode == 0, result.stderr
+    where, size = result.stdout.split()
+    assert Path(where).is_relative_to(installed)
+    assert int(size) == 2 + 1 + 8
+
+
 def test_the_wheel_carries_data_and_licence_but_no_tests(installed):
     assert (installed / "scenes" / "linear" / "01.toml").exists()
     assert list(installed.glob("tgpo_studio-*.dist-info/licenses/LICENSE"))

@@ -158,6 +158,20 @@ def farthest_of(robot: Robot, step: int) -> tuple[float, ...]:
     return (math.inf,) * (robot.position_size + 1) if bound is None else bound(step)
 
 
+class IntegratorRobot(Robot, Protocol):
+    """A robot whose state is its position, moved by its action: x' = x + stride * clip(u)."""
+
+    @property
+    def stride(self) -> tuple[float, ...]:
+        """Most that a coordinate changes in a step [d] [m]."""
+        ...
+
+
+def stride_of(robot: Robot) -> tuple[float, ...] | None:
+    """`IntegratorRobot.stride`; None for a robot that moves otherwise."""
+    return getattr(robot, "stride", None)
+
+
 class World(Protocol):
     """Geometry behind the atoms. `data` is the pytree that the world made for a scene."""
 

@@ -1,8 +1,6 @@
-"""Benchmarks: training to success, compilation, and paper mode beside studio mode.
+"""What `tgpo-bench` does not measure: compilation in fresh processes, and layouts never trained on.
 
-    python -m tests.tools.benchmark train --tasks linear unicycle --seeds 1007 1008 1009
     python -m tests.tools.benchmark compile
-    python -m tests.tools.benchmark modes --tasks linear-08 unicycle-08 --seconds 300
     python -m tests.tools.benchmark layouts --tasks linear-08 quadrotor-08 --epochs 150
 
 Prints Markdown tables. Run it on a machine that does nothing else.
@@ -11,14 +9,12 @@ Prints Markdown tables. Run it on a machine that does nothing else.
 import argparse
 import json
 import platform
-import resource
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -49,59 +45,12 @@ def _expand(names: Iterable[str]) -> list[str]:
     return [t for name in names for t in tasks if t in (name, f"{name}-{t.rsplit('-', 1)[1]}")]
 
 
-def benchmark_training(tasks: list[str], seeds: list[int], epochs: int, target: float) -> None:
-    """Train every task with every seed to the target; success on states never seen."""
-    print(f"\nTGPO*, studio mode, target {target}, at most {epochs} epochs.\n")
-    _header("task", "seed", "epochs", "seconds", "steps/s", "success", "mean robustness")
-    results: dict[str, list[tuple[float, float]]] = {}
-    for name in tasks:
-        task = build_task(load_task(name))
-        algorithm = make_algorithm("studio", "tgpo-star", task.robot)
-        for seed in seeds:
-            config = TrainingConfig(algorithm, seed=seed, epochs=epochs, target=target)
-            *_, last = train(task, config)
-            final = final_evaluation(task, config, last.state.best)
-            results.setdefault(name, []).append((last.train_seconds, final.success_rate))
-            _row(
-                name,
-                seed,
-                last.epoch,
-                f"{last.train_seconds:.1f}",
-                f"{last.env_steps / last.train_seconds:,.0f}",
-                f"{final.success_rate:.4f}",
-                f"{final.robustness_mean:.3f}",
-            )
-    print()
-    _header("task", "seconds, median (range)", "success, mean (least)")
-    for name, runs in results.items():
-        seconds, success = [r[0] for r in runs], [r[1] for r in runs]
-        _row(
-            name,
-            f"{statistics.median(seconds):.1f} ({min(seconds):.1f}-{max(seconds):.1f})",
-            f"{statistics.mean(success):.4f} ({min(success):.4f})",
-        )
-    print()
-    for robot in sorted({name.rsplit("-", 1)[0] for name in tasks}):
-        runs = {n: r for n, r in results.items() if n.startswith(f"{robot}-")}
-        seconds = statistics.median(statistics.median(x[0] for x in r) for r in runs.values())
-        means = [statistics.mean(x[1] for x in r) for r in runs.values()]
-        print(
-            f"{robot}: median {seconds:.1f} s, mean success {statistics.mean(means):.4f}, "
-            f"least task mean {min(means):.4f}, "
-            f"least single run {min(x[1] for r in runs.values() for x in r):.4f}"
-        )
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    print(f"peak resident memory of this process: {peak:.2f} GiB")
-
-
 _FIRST_RUN = """
 import json, sys, time
 began = time.perf_counter()
 from pathlib import Path
 from core.compilation import use_disk_cache
 use_disk_cache(Path(sys.argv[1]))
-from core.methods.tgpo.algorithm import make_algorithm
-from core.methods.training import TrainingConfig, train
 from core.methods.tgpo.algorithm import make_algorithm
 from core.methods.training import TrainingConfig, train
 from envs import Linear
@@ -142,29 +91,6 @@ def benchmark_compilation(repeats: int) -> None:
                 )
 
 
-def benchmark_modes(tasks: list[str], seconds: float, seed: int) -> None:
-    """Success over wall-clock of paper mode and studio mode, same budget."""
-    print(f"\nSuccess rate over training time, {seconds:.0f} s each, seed {seed}.\n")
-    _header("task", "mode", "time [s]: success", "epochs", "env steps")
-    for name in tasks:
-        task = build_task(load_task(name))
-        for mode in ("studio", "paper"):
-            algorithm = make_algorithm(mode, "tgpo-star", task.robot)
-            every = 5 if mode == "studio" else 1
-            config = TrainingConfig(
-                algorithm, seed=seed, epochs=10**6, target=2.0, evaluate_every=every
-            )
-            config = replace(config, time_limit=seconds)
-            curve, last = [], None
-            for last in train(task, config):
-                if last.evaluation:
-                    curve.append((last.train_seconds, last.evaluation.success_rate))
-            assert last is not None
-            shown = curve[:: max(1, len(curve) // 8)] + curve[-1:]
-            points = ", ".join(f"{t:.0f}: {s:.3f}" for t, s in dict(shown).items())
-            _row(name, mode, points, last.epoch, f"{last.env_steps:,}")
-
-
 def benchmark_layouts(tasks: list[str], seeds: list[int], epochs: int) -> None:
     """Zero-shot success on ten layouts never trained on, with and without `--randomize`."""
     print(f"\nSuccess on the task's own layout and on {HELD_OUT} held-out ones, nothing trained.\n")
@@ -198,12 +124,10 @@ def benchmark_layouts(tasks: list[str], seeds: list[int], epochs: int) -> None:
 def main() -> None:
     """Parse the command line and run one benchmark."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
-    parser.add_argument("what", choices=("train", "compile", "modes", "layouts"))
+    parser.add_argument("what", choices=("compile", "layouts"))
     parser.add_argument("--tasks", nargs="+", default=["linear", "unicycle"])
     parser.add_argument("--seeds", nargs="+", type=int, default=[1007, 1008, 1009])
     parser.add_argument("--epochs", type=int, default=80)
-    parser.add_argument("--target", type=float, default=0.995)
-    parser.add_argument("--seconds", type=float, default=300)
     parser.add_argument("--repeats", type=int, default=3)
     options = parser.parse_args()
     print(f"{platform.system()} {platform.machine()}, Python {platform.python_version()}, ", end="")
@@ -213,13 +137,7 @@ def main() -> None:
         return
     cache = Path(tempfile.gettempdir()) / "tgpo-studio-benchmark-cache"
     use_disk_cache(cache)
-    tasks = _expand(options.tasks)
-    if options.what == "train":
-        benchmark_training(tasks, options.seeds, options.epochs, options.target)
-    elif options.what == "layouts":
-        benchmark_layouts(tasks, options.seeds, options.epochs)
-    else:
-        benchmark_modes(tasks, options.seconds, options.seeds[0])
+    benchmark_layouts(_expand(options.tasks), options.seeds, options.epochs)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,86 @@
+"""The command `tgpo-bench`: run the trainings of a file, and report on them."""
+
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from core.errors import UserError
+
+BAD_INPUT = 2
+"""Exit status of arguments or files that cannot be used."""
+
+FAILED = 1
+"""Exit status where runs have failed; they are tried again the next time."""
+
+MOST_PROCESSES = 256
+
+Where = Annotated[Path, tyro.conf.arg(metavar="DIR")]
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """Run what a file asks for, except what is finished already."""
+
+    matrix: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME|FILE.toml")]]
+    """smoke, paper, ablation or horizon, or a file of one's own (see studio/bench/matrix.py)."""
+    out: Where
+    """Folder of the store; runs of several files may share it."""
+    processes: Annotated[int, tyro.conf.arg(metavar="INT")] = 1
+    """Runs at the same time; more than one disturb each other's seconds."""
+
+
+@dataclass(frozen=True)
+class ReportOptions:
+    """Write DIR/report/index.html, its pictures and summary.json."""
+
+    folder: tyro.conf.Positional[Where]
+    """Folder of the store."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+    options = tyro.extras.subcommand_cli_from_dict(
+        {"run": RunOptions, "report": ReportOptions}, prog="tgpo-bench", args=arguments
+    )
+    try:
+        return _run(options) if isinstance(options, RunOptions) else _report(options)
+    except UserError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        print("aborted; the same command goes on with what is missing", file=sys.stderr)
+        return 130
+
+
+def _run(options: RunOptions) -> int:
+    if not 1 <= options.processes <= MOST_PROCESSES:
+        raise UserError(f"--processes: {options.processes} must be from 1 to {MOST_PROCESSES}")
+    from studio.bench.matrix import load_matrix  # noqa: PLC0415
+    from studio.bench.progress import Reporter  # noqa: PLC0415
+    from studio.bench.runner import run_jobs  # noqa: PLC0415
+    from studio.bench.store import Store  # noqa: PLC0415
+
+    matrix, store = load_matrix(options.matrix), Store(options.out)
+    done = sum(store.finished(job.key) for job in matrix.jobs)
+    with Reporter(len(matrix.jobs), done) as told:
+        failed = run_jobs(store, matrix.jobs, processes=options.processes, told=told)
+    counts = {"runs": len(matrix.jobs), "already_finished": done, "failed": len(failed)}
+    print(json.dumps({"matrix": matrix.title, **counts, "out": str(options.out)}))
+    return FAILED if failed else 0
+
+
+def _report(options: ReportOptions) -> int:
+    from studio.bench.report import write_report  # noqa: PLC0415
+    from studio.bench.store import Store  # noqa: PLC0415
+
+    print(write_report(Store(options.folder)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

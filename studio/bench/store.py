@@ -1,0 +1,116 @@
+"""The store of a benchmark: a folder with one Parquet file a run, read as one table.
+
+    DIR/runs/<key>.parquet   one row, written by a rename: it is there as a whole or not at all
+    DIR/logs/<key>.log       what the run's process had to say
+    DIR/lock                 held by the process that adds runs
+
+A run is finished exactly if its file exists.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from core.checkpoint import remove_leftovers, write_atomically
+from core.errors import UserError
+
+try:
+    import pyarrow as pa
+    from pyarrow import parquet
+except ImportError as error:
+    raise UserError("tgpo-bench needs pyarrow: pip install 'tgpo-studio[bench]'") from error
+
+_POINT = pa.struct(
+    {
+        "epoch": pa.int64(),
+        "seconds": pa.float64(),
+        "env_steps": pa.int64(),
+        "success_rate": pa.float64(),
+        "robustness_mean": pa.float64(),
+    }
+)
+
+SCHEMA = pa.schema(
+    {
+        "key": pa.string(),
+        "status": pa.string(),  # finished, or refused: what the method or the scene does not allow
+        "message": pa.string(),  # why it was refused
+        "robot": pa.string(),
+        "task": pa.string(),
+        "method": pa.string(),
+        "mode": pa.string(),
+        "variant": pa.string(),
+        "weights": pa.string(),
+        "horizon": pa.int64(),  # steps of an episode
+        "seed": pa.int64(),
+        "success_rate": pa.float64(),
+        "robustness_mean": pa.float64(),  # m
+        "epochs": pa.int64(),
+        "env_steps": pa.int64(),
+        "train_seconds": pa.float64(),  # evaluations during training included, compilation not
+        "compile_seconds": pa.float64(),
+        "wall_seconds": pa.float64(),  # all of the run, from the process's start on
+        "peak_bytes": pa.int64(),
+        "curve": pa.list_(_POINT),  # the evaluations during training
+        "started": pa.string(),  # ISO 8601, UTC
+        "revision": pa.string(),
+        "versions": pa.map_(pa.string(), pa.string()),
+        "machine": pa.map_(pa.string(), pa.string()),
+        "job": pa.string(),  # the whole job as JSON
+        "configuration": pa.string(),  # all hyper-parameters as JSON
+    }
+)
+
+
+class Store:
+    """A folder of runs."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+
+    def path(self, key: str) -> Path:
+        """The file of a run."""
+        return self.folder / "runs" / f"{key}.parquet"
+
+    def log(self, key: str) -> Path:
+        """The log of a run."""
+        return self.folder / "logs" / f"{key}.log"
+
+    def open(self) -> None:
+        """Make the folders, and remove what killed writers have left.
+
+        Raises:
+            UserError: they cannot be made.
+        """
+        try:
+            for part in ("runs", "logs"):
+                (self.folder / part).mkdir(parents=True, exist_ok=True)
+            remove_leftovers(self.folder / "runs")
+        except OSError as error:
+            raise UserError(f"{self.folder}: cannot be made: {error.strerror}") from error
+
+    def finished(self, key: str) -> bool:
+        """Whether a run is in the store."""
+        return self.path(key).is_file()
+
+    def add(self, row: dict[str, Any]) -> None:
+        """Keep the row of a run."""
+        table = pa.Table.from_pylist([row], SCHEMA)
+        sink = pa.BufferOutputStream()
+        parquet.write_table(table, sink)
+        write_atomically(self.path(row["key"]), sink.getvalue().to_pybytes())
+
+    def rows(self) -> list[dict[str, Any]]:
+        """All runs, by their keys.
+
+        Raises:
+            UserError: not a store, or a file that is damaged.
+        """
+        if not (self.folder / "runs").is_dir():
+            raise UserError(f"{self.folder}: not a benchmark's folder (runs/ is missing)")
+        found: list[dict[str, Any]] = []
+        for path in sorted((self.folder / "runs").glob("*.parquet")):
+            try:
+                found += parquet.read_table(path, schema=SCHEMA).to_pylist(maps_as_pydicts="strict")
+            except (OSError, pa.ArrowException) as error:
+                raise UserError(f"{path}: cannot be read: {error}") from error
+        return found

@@ -1,0 +1,129 @@
+"""One run in its own process: `python -m studio.bench.worker STORE`, the job on standard input.
+
+The process ends with its runner, however that ends: standard input is kept open for as long as the
+runner lives, and its end is the sign. A process serves one run, so that its memory is the run's.
+"""
+
+import os
+import sys
+import threading
+import time
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from core.compilation import use_disk_cache
+from core.errors import UserError
+from core.methods.training import Progress, best_weights, final_evaluation, train
+from scenes import load_task
+from studio.bench.horizons import with_horizon
+from studio.bench.machine import git_revision, machine, peak_memory, versions
+from studio.bench.matrix import Job, changed
+from studio.bench.store import Store
+from studio.runs.config import RunConfig, make_config
+from studio.runs.json_documents import plain
+
+LOST = 3
+"""Exit status of a process whose runner has ended."""
+
+
+def measure(job: Job) -> dict[str, Any]:
+    """Train, evaluate, and return the row of a run; a job that is not allowed is `refused`."""
+    began = time.perf_counter()
+    scene = load_task(job.task)
+    row: dict[str, Any] = {
+        "key": job.key,
+        "status": "finished",
+        "robot": scene.robot,
+        "horizon": scene.horizon if job.horizon is None else job.horizon,
+        **{name: getattr(job, name) for name in ("task", "method", "mode", "variant", "weights")},
+        "seed": job.seed,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "revision": git_revision(),
+        "versions": versions(),
+        "machine": {name: str(value) for name, value in machine().items()},
+        "job": msgspec.json.encode(job).decode(),
+    }
+    try:
+        row |= _trained(configuration(job))
+    except UserError as error:
+        row |= {"status": "refused", "message": str(error)}
+    return row | {"wall_seconds": time.perf_counter() - began, "peak_bytes": peak_memory()}
+
+
+def configuration(job: Job) -> RunConfig:
+    """The configuration of a job.
+
+    Raises:
+        UserError: hyper-parameters or a horizon that are not allowed.
+    """
+    config = make_config(
+        with_horizon(load_task(job.task), job.horizon),
+        mode=job.mode,
+        method=job.method,
+        seed=job.seed,
+        epochs=job.epochs,
+        time_limit=job.seconds,
+        target=job.target,
+        weights=job.weights,
+    )
+    training = config.training
+    algorithm = changed(
+        training.algorithm, job.changes, job.method, job.mode, f"variants.{job.variant}"
+    )
+    every = training.evaluate_every if job.evaluate_every is None else job.evaluate_every
+    return replace(config, training=replace(training, algorithm=algorithm, evaluate_every=every))
+
+
+def _trained(config: RunConfig) -> dict[str, Any]:
+    """What a training came to."""
+    task, training = config.build_task(), config.training
+    curve: list[dict[str, Any]] = []
+    last: Progress | None = None
+    for last in train(task, training, config.first_state(task)):
+        if last.evaluation is not None:
+            curve.append(_point(last))
+    if last is None:
+        raise UserError("the budget ended before the first epoch")
+    evaluation = final_evaluation(task, training, best_weights(task, training, last.state))
+    return {
+        "success_rate": evaluation.success_rate,
+        "robustness_mean": plain(evaluation.robustness_mean),
+        "epochs": last.epoch,
+        "env_steps": last.env_steps,
+        "train_seconds": last.train_seconds,
+        "compile_seconds": last.compile_seconds,
+        "curve": curve,
+        "configuration": msgspec.json.encode(config.document()).decode(),
+    }
+
+
+def _point(progress: Progress) -> dict[str, Any]:
+    assert progress.evaluation is not None
+    return {
+        "epoch": progress.epoch,
+        "seconds": progress.train_seconds,
+        "env_steps": progress.env_steps,
+        "success_rate": progress.evaluation.success_rate,
+        "robustness_mean": plain(progress.evaluation.robustness_mean),
+    }
+
+
+def _end_with_the_runner() -> None:
+    sys.stdin.read()
+    os._exit(LOST)
+
+
+def main(folder: str) -> None:
+    """Read a job, run it, and add its row to a store."""
+    job = msgspec.json.decode(sys.stdin.readline(), type=Job)
+    threading.Thread(target=_end_with_the_runner, daemon=True).start()
+    use_disk_cache()
+    Store(Path(folder)).add(measure(job))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

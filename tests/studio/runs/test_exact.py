@@ -1,0 +1,56 @@
+"""`--exact` from the command line."""
+
+import json
+
+import pytest
+
+from scenes import load_task
+from tests.studio.runs.test_commands import here, run
+from tests.tools.witness import judge
+
+__all__ = ["here"]
+
+FIELDS = ["task", "formula", "start", "status", "robustness", "bound", "seconds"]
+
+
+def test_a_plan_is_one_line_and_a_file(here, capsys):
+    formula = "F_[0:20](A1) & G_[0:30](!B)"
+    arguments = ("--exact", "--task", "linear-demo", "--formula", formula, "--time-limit", "5")
+    status, (line,), _ = run(capsys, *arguments, "--out", "plan.json")
+    assert status == 0
+    assert list(line) == [*FIELDS, "out"]
+    assert (line["status"], line["start"]) == ("optimal", [-3.3, -3.3])
+    kept = json.loads((here / "plan.json").read_text())
+    assert {name: kept[name] for name in FIELDS} == {name: line[name] for name in FIELDS}
+    scene = load_task("linear-demo")
+    assert len(kept["actions"]) == scene.horizon
+    assert len(kept["positions"]) == scene.horizon + 1
+
+
+def test_its_actions_carry_the_task_out(here, capsys):
+    arguments = ("--exact", "--task", "linear-demo", "--time-limit", "5", "--out", "plan.json")
+    _, (line,), _ = run(capsys, *arguments)
+    kept = json.loads((here / "plan.json").read_text())
+    replayed = judge(load_task("linear-demo"), kept["start"], kept["actions"])
+    assert replayed == pytest.approx(line["robustness"], abs=1e-4)
+
+
+def test_what_cannot_be_satisfied_is_proved(here, capsys):
+    arguments = ("--exact", "--task", "linear-demo", "--formula", "F_[0:3](A1)")
+    status, (line,), _ = run(capsys, *arguments)
+    assert (status, line["status"]) == (0, "infeasible")
+    assert line["robustness"] is None and line["bound"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--exact", "--task", "ant-demo"), "exact plans are for robots whose action"),
+        (("--exact", "--task", "linear-demo", "--time-limit", "0"), "--time-limit: 0.0 must be"),
+        (("--exact", "--task", "linear-demo", "--seed", "3"), "--seed cannot be used with --exact"),
+    ],
+)
+def test_what_cannot_be_used_is_refused(here, capsys, arguments, message):
+    status, lines, errors = run(capsys, *arguments)
+    assert (status, lines) == (2, [])
+    assert message in errors
