@@ -15,6 +15,8 @@ from scenes.scene import (
     robot_of,
     save_scene,
     task_names,
+    unit_of,
+    workspace_of,
 )
 from scenes.world import (
     GoalGeometry,
@@ -48,7 +50,9 @@ __all__ = [
     "scene_formula",
     "scene_reading",
     "task_names",
+    "unit_of",
     "walls",
     "world_arrays",
+    "workspace_of",
     "world_of",
 ]

@@ -69,7 +69,7 @@ def perturbed(
         perturbation: how far regions move; the default of `Perturbation` if None.
     """
     perturbation = Perturbation() if perturbation is None else perturbation
-    low, high = _workspace(world)
+    low, high = world.limits
     if perturbation.mirror:
         scene = _mirrored(scene, (random.random(low.size) < 0.5) & np.isclose(low, -high))
     standing = walls(scene, world)
@@ -87,7 +87,7 @@ def perturbed(
 
 def walls(scene: Scene, world: GridWorld) -> list[Region]:
     """Boxes that cover a whole face of the workspace."""
-    low, high = _workspace(world)
+    low, high = world.limits
     return [region for region in scene.regions if _faces(region, low, high).any()]
 
 
@@ -110,14 +110,7 @@ def separation(first: Region, second: Region) -> float:
 
 def half_extents(region: Region) -> np.ndarray:
     """Half sides [d] in [m] of the box around a region."""
-    if region.kind == "cylinder":
-        return np.array([region.size[0], region.size[0], region.size[1]])
-    return np.resize(region.size, region.dimension)
-
-
-def _workspace(world: GridWorld) -> tuple[np.ndarray, np.ndarray]:
-    low = np.asarray(world.grid.origin, float)
-    return low, low + world.grid.spacing * (np.asarray(world.grid.shape) - 1)
+    return region.half_extents
 
 
 def _faces(region: Region, low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from core.task.feasibility import Mission, Places
 from scenes.distances import margin_of
 from scenes.layouts import half_extents
 from scenes.regions import Region
-from scenes.scene import Scene, robot_of
+from scenes.scene import Scene, robot_of, workspace_of
 
 START = "\0start"
 """Name of the initial set among the places; no region can be called so."""
@@ -33,7 +33,7 @@ def mission_of(scene: Scene, formula: Formula) -> Mission:
     radius = np.array([_radius(region) for region in regions])
     places = Places(names, center - half, center + half, radius, margin, tolerance)
     robot = robot_of(scene)
-    return Mission(formula, places, _starts(places), robot, robot.workspace.arena)
+    return Mission(formula, places, _starts(places), robot, workspace_of(scene).arena)
 
 
 def _radius(region: Region) -> float:

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, NamedTuple, get_args
 
+import numpy as np
+
 from core.errors import UserError, allowed
 
 Kind = Literal["circle", "rectangle", "sphere", "box", "cylinder"]
@@ -94,6 +96,13 @@ class Region:
     def dimension(self) -> int:
         """Dimension d of the space: 2 or 3."""
         return SHAPES[self.kind].dimension
+
+    @property
+    def half_extents(self) -> np.ndarray:
+        """Half sides [d] in [m] of the box around the region, which has its centre."""
+        if self.kind == "cylinder":
+            return np.array([self.size[0], self.size[0], self.size[1]])
+        return np.resize(self.size, self.dimension)
 
 
 def check_name(name: object) -> None:

@@ -152,7 +152,7 @@ def _problem(
     return to_device(
         Problem(
             robot,
-            world,
+            world.compiled,
             grounding.arrays,
             data,
             jnp.asarray(inside),

@@ -11,14 +11,15 @@ from dataclasses import replace
 from core.errors import UserError
 from core.task.grounding import MAX_ATOMS
 from envs import ENVS
-from scenes import Region, Scene
+from scenes import Region, Scene, unit_of
+from scenes.arena import Arena
 from scenes.regions import LONGEST_NAME, allowed
 from studio.page.editing.history import History
 from studio.page.editing.meaning import differences
 from studio.page.editing.renaming import rename_in_formula
 
 SHIFT = 0.4
-"""Offset of a duplicate from its original along x and y, in robot lengths."""
+"""Offset of a duplicate from its original along x and y, in units of the scene."""
 
 
 class EditError(UserError):
@@ -106,7 +107,7 @@ class Document:
 
     def duplicate(self, name: str) -> str:
         """Add a copy of a region, slightly offset; returns its name."""
-        region, shift = self.region(name), SHIFT * ENVS[self.scene.robot].length
+        region, shift = self.region(name), SHIFT * unit_of(self.scene)
         copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.region_names)
         x, y, *rest = region.center
         moved = replace(region, name=copy, center=(x + shift, y - shift, *rest))
@@ -194,6 +195,10 @@ class Document:
     def set_seed(self, seed: int, gesture: str | None = None) -> None:
         """Change the seed of the training."""
         self._record("change the seed", replace(self.scene, seed=seed), gesture)
+
+    def set_arena(self, arena: Arena | None, gesture: str | None = None) -> None:
+        """Change the arena, (low, high) of each axis [m]; None for the robot's own."""
+        self._record("change the arena", replace(self.scene, arena=arena), gesture)
 
     def set_title(self, title: str, gesture: str | None = None) -> None:
         """Change the line that describes the scene."""

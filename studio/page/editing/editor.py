@@ -7,8 +7,7 @@ A drag is a sequence start, update, ..., end of points in space; it edits the do
 from dataclasses import dataclass
 from typing import Literal
 
-from envs import ENVS
-from scenes import Region
+from scenes import Region, unit_of, workspace_of
 from studio.page.editing.document import Document
 from studio.page.editing.shapes import drawn, resized, snap
 
@@ -24,7 +23,7 @@ TOOLS = {2: (SELECT, "rectangle", "circle"), 3: (SELECT, "box", "sphere", "cylin
 """By dimension: the tool to select and move, and the kinds that can be drawn."""
 
 STEP = 0.25
-"""Step of the grid that drags snap to, in robot lengths."""
+"""Step of the grid that drags snap to, in units of the scene."""
 
 
 @dataclass(frozen=True)
@@ -45,16 +44,27 @@ class Editor:
         self.selection: str | None = None
         """A region's name, `INITIAL`, or None."""
         self.tool = SELECT
-        self.unit = ENVS[document.scene.robot].length
-        """Length that is one unit in the robot's workspace [m]."""
-        self.step = STEP * self.unit
-        """Step of the grid that drags snap to [m]."""
         self.preview: Region | None = None
         """The region being drawn."""
         self._document = document
+        self._share = STEP
         self._grab: Grab | None = None
         self._drags = 0
         self._cancelled = False
+
+    @property
+    def unit(self) -> float:
+        """Length that is one unit in the arena [m]."""
+        return unit_of(self._document.scene)
+
+    @property
+    def step(self) -> float:
+        """Step of the grid that drags snap to [m]."""
+        return self._share * self.unit
+
+    @step.setter
+    def step(self, metres: float) -> None:
+        self._share = metres / self.unit
 
     @property
     def dragging(self) -> bool:
@@ -88,7 +98,7 @@ class Editor:
 
     def add(self, kind: str) -> None:
         """Add a region in the middle of the floor."""
-        x, y = ENVS[self._document.scene.robot].workspace.middle[:2]
+        x, y = workspace_of(self._document.scene).middle[:2]
         half = self.unit / 2
         start = (x - half, y - half) if kind in ("rectangle", "box") else (x, y)
         outline = drawn(kind, start, (x + half, y + half), unit=self.unit)

@@ -4,11 +4,9 @@ from functools import partial
 
 import viser
 
-from envs import Robot
-from scenes import robot_of
 from studio.page.editing.editor import SELECT
 from studio.page.session import Session
-from studio.page.views.bodies import Stage, body_of
+from studio.page.views.bodies import Stage, stage_of
 from studio.page.views.pointer import Dragged, on_level_drag
 
 RIM_WIDTH, RIM_HEIGHT = 0.16, 0.22  # [m]
@@ -22,16 +20,15 @@ class FloorView:
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene = server.scene
-        self._drawn: tuple[Robot, bool] | None = None
+        self._drawn: tuple[Stage, bool] | None = None
 
     def draw(self, session: Session) -> None:
-        """Follow the robot's workspace and the tool."""
-        current = robot_of(session.document.scene), session.editor.tool != SELECT
+        """Follow the arena and the tool."""
+        current = stage_of(session.document.scene), session.editor.tool != SELECT
         if current == self._drawn:
             return
         self._drawn = current
-        robot, drawing = current
-        stage = body_of(robot).stage
+        stage, drawing = current
         (left, right), (front, back) = stage.floor
         width, depth = right - left, back - front
         middle = ((left + right) / 2, (front + back) / 2)

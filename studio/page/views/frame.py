@@ -3,15 +3,14 @@
 import numpy as np
 import viser
 
-from envs import ENVS
-from scenes import Region, Scene
+from scenes import Region, Scene, unit_of, workspace_of
 from studio.page.session import Session
 from studio.page.views.outlines import outline
 from studio.page.views.walls import Limits, hall, wall_of
 
 EDGE, DROP = (206, 212, 218), (150, 158, 168)
 ABOVE = 0.01
-"""Height of footprints above the ground, in robot lengths."""
+"""Height of footprints above the ground, in units of the scene."""
 
 
 class FrameView:
@@ -24,7 +23,7 @@ class FrameView:
     def draw(self, session: Session) -> None:
         """Follow the regions."""
         scene = session.document.scene
-        current = scene.robot, scene.regions, scene.initial
+        current = scene.robot, scene.arena, scene.regions, scene.initial
         if current == self._drawn:
             return
         self._drawn = current
@@ -34,9 +33,9 @@ class FrameView:
                 self._show(scene)
 
     def _show(self, scene: Scene) -> None:
-        limits = ENVS[scene.robot].workspace.arena
+        limits = workspace_of(scene).arena
         inside = hall(scene.regions, limits)
-        ground = inside[2][0] + ABOVE * ENVS[scene.robot].length
+        ground = inside[2][0] + ABOVE * unit_of(scene)
         floating = [
             region for region in (*scene.regions, scene.initial) if wall_of(region, limits) is None
         ]
