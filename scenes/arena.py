@@ -18,7 +18,8 @@ from typing import TypeGuard
 import numpy as np
 
 from envs import Robot, Workspace
-from scenes.regions import LARGEST_COORDINATE, Region, SceneError
+from scenes.checks import LARGEST_COORDINATE, SceneError
+from scenes.regions import Region
 
 Arena = tuple[tuple[float, float], ...]
 """(low, high) of each axis in [m]."""

@@ -109,6 +109,11 @@ class Scene:
             if region.name in seen:
                 raise SceneError(f"regions.{region.name}: this name is given twice")
             seen.add(region.name)
+            if region.kind == "point":
+                raise SceneError(
+                    f"regions.{region.name}: a point can only be the initial set; a region needs "
+                    "an inside, such as that of a small circle or sphere"
+                )
         fields = {f"regions.{region.name}": region for region in self.regions}
         for field, region in ({"initial": self.initial} | fields).items():
             if region.dimension != self.dimension:

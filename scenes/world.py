@@ -19,8 +19,9 @@ from envs import Workspace
 from scenes.arena import Arena, cells, holding
 from scenes.fields import Grid, geodesic_field, interpolate
 from scenes.margins import PADDING_MARGIN, RegionArrays, margins_and_gradients, region_arrays
-from scenes.regions import Region, SceneError
+from scenes.regions import SceneError
 from scenes.scene import Scene, robot_of, workspace_of
+from scenes.starts import Cells, cells_of, draw, round_axes
 
 
 class Frame(NamedTuple):
@@ -40,6 +41,8 @@ class WorldArrays(NamedTuple):
     initial_round: np.ndarray  # [d] 1 for the axes in which it is a ball
     frame: Frame | None = None
     """None where the arena is the robot's: its numbers are constants of the programs then."""
+    start: Cells | None = None
+    """The initial set; None where the three fields above say it all."""
 
 
 @dataclass(frozen=True)
@@ -105,10 +108,12 @@ class GridWorld:
     def sample_initial(self, data: WorldArrays, key: jax.Array) -> jax.Array:
         """A position [d] of the initial set, uniform.
 
-        Every kind of region is a ball of k axes times a box of the others: a circle or sphere
+        Without cells, a region is a ball of k axes times a box of the others: a circle or sphere
         has k = d, a cylinder k = 2, a rectangle or box k = 0. A ball's radius at a random point
         is its own times the k-th root of a uniform number.
         """
+        if data.start is not None:
+            return draw(data.start, key)
         box_key, angle_key, radius_key = jax.random.split(key, 3)
         low, high, is_round = data.initial_low, data.initial_high, data.initial_round
         dimension = self.grid.dimension
@@ -152,27 +157,16 @@ def world_arrays(scene: Scene, capacity: int, fields: np.ndarray) -> WorldArrays
     """Data of a scene for `GridWorld.compiled`, with fields [F, *grid, 1 + d]."""
     initial = scene.initial
     center = np.asarray(initial.center, np.float32)
-    half = np.resize(np.asarray(initial.size, np.float32), scene.dimension)
-    if initial.kind == "cylinder":
-        half = np.asarray([initial.size[0], initial.size[0], initial.size[1]], np.float32)
+    half = initial.half_extents.astype(np.float32)
     return WorldArrays(
         region_arrays(scene.regions, scene.dimension, capacity),
         fields,
         center - half,
         center + half,
-        _round_axes(initial),
+        round_axes(initial),
         world_of(scene).frame,
+        cells_of(initial),
     )
-
-
-def _round_axes(region: Region) -> np.ndarray:
-    """[d] 1 for the axes in which a region is a ball, 0 for those in which it is a box."""
-    match region.kind:
-        case "circle" | "sphere":
-            return np.ones(region.dimension, np.float32)
-        case "cylinder":
-            return np.array([1.0, 1.0, 0.0], np.float32)
-    return np.zeros(region.dimension, np.float32)
 
 
 def goal_geometry(

@@ -8,12 +8,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from core.errors import UserError
+from core.errors import UserError, allowed
 from core.task.grounding import MAX_ATOMS
 from envs import ENVS
 from scenes import Region, Scene, unit_of
 from scenes.arena import Arena
-from scenes.regions import LONGEST_NAME, allowed
+from scenes.checks import LONGEST_NAME
 from studio.page.editing.history import History
 from studio.page.editing.meaning import differences
 from studio.page.editing.renaming import rename_in_formula
