@@ -9,7 +9,7 @@ from typing import Literal
 
 from scenes import Region, unit_of, workspace_of
 from studio.page.editing.document import Document
-from studio.page.editing.shapes import drawn, resized, snap
+from studio.page.editing.shapes import drawn, reshaped, snap
 
 Phase = Literal["start", "update", "end"]
 Action = Literal["move", "resize"]
@@ -120,12 +120,12 @@ class Editor:
         """Give the initial set the shape and position of the selected region, which stays."""
         region = self.selected
         if self.selection and region is not None:
-            self._document.set_initial(kind=region.kind, center=region.center, size=region.size)
+            self._document.put(INITIAL, region, "change")
 
     def cancel(self) -> None:
         """Revert the current drag; without one, put the tool away, then deselect."""
         if self._grab is not None:
-            self._put(self._grab, self._grab.region.center, self._grab.region.size)
+            self._put(self._grab, self._grab.region)
             self._grab, self._cancelled = None, True
         elif self.preview is not None:
             self.preview, self._cancelled = None, True
@@ -159,7 +159,7 @@ class Editor:
         goal = tuple(c + b for c, b in zip(center, by, strict=False))
         # An axis along which the pointer stayed keeps its value, on the grid or not.
         snapped = zip(snap(goal, self.step), center, by, strict=False)
-        self._put(grab, tuple(s if abs(b) > 1e-9 else c for s, c, b in snapped), grab.region.size)
+        self._put(grab, grab.region.at([s if abs(b) > 1e-9 else c for s, c, b in snapped]))
 
     def resize(self, handle: int, phase: Phase, point: Point) -> None:
         """Drag a handle of the selected region."""
@@ -168,8 +168,7 @@ class Editor:
         grab = self._grabbed(self.selection, phase, point, "resize")
         if grab is not None:
             point = point[: grab.region.dimension]
-            outline = resized(grab.region, handle, point, self.step, self.unit)
-            self._put(grab, outline.center, outline.size)
+            self._put(grab, reshaped(grab.region, handle, point, self.step, self.unit))
 
     def _grabbed(self, target: str, phase: Phase, start: Point, action: Action) -> Grab | None:
         """What the pointer holds; None for the rest of a cancelled drag."""
@@ -190,13 +189,8 @@ class Editor:
             self._cancelled = False
         return self._cancelled
 
-    def _put(self, grab: Grab, center: Point, size: Point) -> None:
-        if grab.target == INITIAL:
-            self._document.set_initial(center=center, size=size, gesture=grab.gesture)
-        elif grab.action == "move":
-            self._document.move(grab.target, center, gesture=grab.gesture)
-        else:
-            self._document.resize(grab.target, size, center, gesture=grab.gesture)
+    def _put(self, grab: Grab, region: Region) -> None:
+        self._document.put(grab.target, region, grab.action, grab.gesture)
 
     def _region(self, target: str) -> Region | None:
         scene = self._document.scene

@@ -6,7 +6,7 @@ that the formula does not name, the spelling of the formula, or the names of reg
 decides which of many equally good trainings is run.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from core.errors import UserError
@@ -14,8 +14,8 @@ from core.stl import Atom, Formula, atom_names, children, horizon, quote_name, w
 from scenes import Region, Scene, scene_formula, workspace_of
 from scenes.arena import Arena
 
-Shape = tuple[str, tuple[float, ...], tuple[float, ...]]
-"""Kind, center [m] and size [m] of a region."""
+Shape = Region
+"""A region without its name and colour."""
 
 
 @dataclass(frozen=True)
@@ -104,4 +104,4 @@ def _numbered(formula: Formula, numbers: dict[str, str]) -> Formula:
 
 
 def _shape(region: Region) -> Shape:
-    return region.kind, region.center, region.size
+    return replace(region, name="shape", color=None)

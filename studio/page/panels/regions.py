@@ -132,7 +132,7 @@ def _hint(session: Session) -> str:
 
 
 def _extent(region: Region) -> str:
-    if len(region.size) == 1:
+    if region.kind in ("circle", "sphere"):
         return f"{region.kind}, radius {region.size[0]:.2f} m"
     extent = " × ".join(f"{2 * value:.2f}" for value in region.size)
     return f"{region.kind}, {extent} m"

@@ -20,6 +20,7 @@ from studio.page.views.outlines import outline
 from studio.page.views.pointer import on_axis_drag, on_level_drag
 from studio.page.views.regions import HEIGHT
 from studio.page.views.roles import Role, roles
+from studio.page.views.solids import seen
 from studio.theme import BRAND
 
 ABOVE = 0.04
@@ -63,17 +64,22 @@ class EditingView:
 
     def _show_selected(self, session: Session, region: Region | None) -> None:
         height = ABOVE + _body_height(session)
-        self._line("/edit/outline", region, height, BRAND, 4.0)
         unit = session.editor.unit
+        surrounded = None if region is None else seen(region, unit)
+        self._line("/edit/outline", surrounded, height, BRAND, 4.0)
         shown = [] if region is None else grips(region, height, unit)
-        kinds = (unit, region is not None and region.dimension, [grip.arrow for grip in shown])
+        turned = region is not None and region.angle != 0
+        planar = region is None or region.dimension == 2
+        kinds = (unit, planar, turned, [grip.arrow for grip in shown])
         if kinds != self._kinds:
             self._kinds = kinds
-            self._make_grips(session, shown, planar=region is None or region.dimension == 2)
+            self._make_grips(session, shown, planar=planar, turned=turned)
         for node, grip in zip(self._grips, shown, strict=True):
             node.position = grip.position
 
-    def _make_grips(self, session: Session, wanted: Sequence[Grip], *, planar: bool) -> None:
+    def _make_grips(
+        self, session: Session, wanted: Sequence[Grip], *, planar: bool, turned: bool
+    ) -> None:
         for node in self._grips:
             node.remove()
         self._grips = []
@@ -90,7 +96,7 @@ class EditingView:
                     cast_shadow=False,
                 )
                 drag = partial(_resize, session, index)
-                if planar:
+                if planar or (turned and axis_of(index) < 2):
                     on_level_drag(node, drag)
                 else:
                     on_axis_drag(node, drag, axis_of(index))

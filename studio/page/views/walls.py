@@ -79,7 +79,7 @@ def add_face(scene: viser.SceneApi, node: str, face: Face) -> viser.MeshHandle:
 
 def wall_of(region: Region, limits: Limits) -> Wall | None:
     """The side of the workspace that a box closes; None if it closes none."""
-    if region.kind != "box":
+    if region.kind != "box" or region.angle:
         return None
     ends = [(c - s, c + s) for c, s in zip(region.center, region.size, strict=True)]
     spans = [
