@@ -1,5 +1,6 @@
 """Regions, scenes and the shipped tasks."""
 
+from scenes.blank import blank
 from scenes.formula import scene_formula, scene_reading
 from scenes.layouts import walls
 from scenes.margins import RegionArrays, margins, margins_and_gradients, region_arrays
@@ -34,6 +35,7 @@ __all__ = [
     "RegionArrays",
     "Scene",
     "SceneError",
+    "blank",
     "demo_names",
     "format_scene",
     "goal_geometry",

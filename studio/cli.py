@@ -49,6 +49,10 @@ def _run(action: str, options: Options) -> int:
         from studio.runs.explaining import explain  # noqa: PLC0415
 
         return explain(options)
+    if action == "new":
+        from studio.runs.beginning import begin  # noqa: PLC0415
+
+        return begin(options)
     _use_cache(options)
     actions = {
         "evaluate": commands.evaluate,
