@@ -102,8 +102,13 @@ class Document:
         color: str | None = None,
     ) -> str:
         """Add a region under the first free name, A1, A2, ...; returns the name."""
+        region = Region("new", kind, tuple(center), tuple(size), color)
+        return self.add_shape(region, prefix)
+
+    def add_shape(self, shape: Region, prefix: str = "A") -> str:
+        """Add a region of a shape under the first free name; returns the name."""
         name = free_name(prefix, self.scene.region_names)
-        return self._add(f"add {name}", Region(name, kind, tuple(center), tuple(size), color))
+        return self._add(f"add {name}", replace(shape, name=name))
 
     def duplicate(self, name: str) -> str:
         """Add a copy of a region, slightly offset; returns its name."""

@@ -4,12 +4,14 @@ A drag is a sequence start, update, ..., end of points in space; it edits the do
 (one undo step) and `cancel` reverts it. Runs on the page's loop, like the document.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 from scenes import Region, unit_of, workspace_of
+from scenes.polygons import MOST_CORNERS
 from studio.page.editing.document import Document
-from studio.page.editing.shapes import drawn, reshaped, snap
+from studio.page.editing.shapes import cornered, drawn, reshaped, snap
 
 Phase = Literal["start", "update", "end"]
 Action = Literal["move", "resize"]
@@ -19,8 +21,17 @@ INITIAL = ""
 """Selects the initial set; no region has this name."""
 
 SELECT = "select"
-TOOLS = {2: (SELECT, "rectangle", "circle"), 3: (SELECT, "box", "sphere", "cylinder")}
+TOOLS = {
+    2: (SELECT, "rectangle", "circle", "polygon"),
+    3: (SELECT, "box", "sphere", "cylinder", "prism"),
+}
 """By dimension: the tool to select and move, and the kinds that can be drawn."""
+
+CLICKED = ("polygon", "prism")
+"""Kinds that are drawn by clicks at their corners; the others by a drag."""
+
+CLOSE = 0.2
+"""Distance from the first corner at which a click closes a polygon, in units of the scene."""
 
 STEP = 0.25
 """Step of the grid that drags snap to, in units of the scene."""
@@ -46,6 +57,8 @@ class Editor:
         self.tool = SELECT
         self.preview: Region | None = None
         """The region being drawn."""
+        self.corners: tuple[tuple[float, float], ...] = ()
+        """Of the polygon being drawn."""
         self._document = document
         self._share = STEP
         self._grab: Grab | None = None
@@ -90,7 +103,7 @@ class Editor:
     def take(self, tool: str) -> None:
         """Switch to another tool."""
         if tool in TOOLS[self._document.scene.dimension]:
-            self.tool, self.preview = tool, None
+            self.tool, self.preview, self.corners = tool, None, ()
 
     def take_tool(self, index: int) -> None:
         """Switch to the tool at an index of `TOOLS`."""
@@ -100,6 +113,10 @@ class Editor:
         """Add a region in the middle of the floor."""
         x, y = workspace_of(self._document.scene).middle[:2]
         half = self.unit / 2
+        if kind in CLICKED:
+            corners = ((x - half, y - half), (x + half, y - half), (x, y + half))
+            self.selection = self._document.add_shape(cornered(kind, corners, self.unit))
+            return
         start = (x - half, y - half) if kind in ("rectangle", "box") else (x, y)
         outline = drawn(kind, start, (x + half, y + half), unit=self.unit)
         assert outline is not None
@@ -129,6 +146,8 @@ class Editor:
             self._grab, self._cancelled = None, True
         elif self.preview is not None:
             self.preview, self._cancelled = None, True
+        elif self.corners:
+            self.corners = self.corners[:-1]
         elif self.tool != SELECT:
             self.tool = SELECT
         else:
@@ -139,6 +158,10 @@ class Editor:
         if self._skip(phase):
             return
         kind = self.tool
+        if kind in CLICKED:
+            if phase == "end":
+                self.corner(end)
+            return
         if kind == SELECT:
             kind = TOOLS[self._document.scene.dimension][1]
         outline = drawn(kind, start, end, self.step, self.unit)
@@ -148,6 +171,33 @@ class Editor:
             if outline is not None:
                 self.selection = self._document.add(kind, *outline)
                 self.tool = SELECT
+
+    def corner(self, point: Point) -> None:
+        """Add a corner to the polygon being drawn; one at the first closes it.
+
+        Raises:
+            UserError: the polygon that it closes crosses itself.
+        """
+        x, y = snap(point[:2], self.step)
+        if self.tool not in CLICKED or (x, y) in self.corners[-1:]:
+            return
+        if len(self.corners) > 2 and math.dist((x, y), self.corners[0]) <= CLOSE * self.unit:
+            self.close()
+            return
+        self.corners = (*self.corners, (x, y))
+        if len(self.corners) == MOST_CORNERS:
+            self.close()
+
+    def close(self) -> None:
+        """Complete the polygon being drawn; its corners stay if they make none.
+
+        Raises:
+            UserError: too few corners, or the polygon crosses itself.
+        """
+        if self.tool in CLICKED:
+            region = cornered(self.tool, self.corners, self.unit)
+            self.selection = self._document.add_shape(region)
+            self.take(SELECT)
 
     def move(self, target: str, phase: Phase, start: Point, end: Point) -> None:
         """Drag a region; its center snaps to the grid."""

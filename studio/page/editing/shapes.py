@@ -5,6 +5,7 @@ is the length of the robot, so that shapes on a table are smaller than those in 
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 from typing import NamedTuple
@@ -68,6 +69,16 @@ def drawn(
         case "sphere":
             return Outline((*center, size[0]), size)
     return Outline(center, size)
+
+
+def cornered(kind: str, corners: Sequence[tuple[float, float]], unit: float) -> Region:
+    """A polygon, or a prism that stands on the floor, of corners that were clicked.
+
+    Raises:
+        UserError: too few corners, or the polygon crosses itself.
+    """
+    z = (0.0, 2 * HALF_HEIGHT * unit) if kind == "prism" else ()
+    return Region("new", kind, points=tuple(corners), z=z)
 
 
 def handles(region: Region) -> tuple[Position, ...]:

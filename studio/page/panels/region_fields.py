@@ -148,13 +148,10 @@ class RegionFields:
 
     def _reshape(self, kind: str) -> None:
         region = self._session.editor.selected
-        if region is None or kind == region.kind or kind not in SHAPES:
+        if region is None or kind == region.kind or kind not in TOOLS[region.dimension][1:]:
             return
-        size = _size_for(kind, region.size or (self._session.editor.unit / 2,))
-        if self._session.editor.selection == INITIAL:
-            self._session.document.set_initial(kind=kind, size=size)
-        else:
-            self._session.document.reshape(region.name, kind, region.center, size)
+        shape = as_kind(region, kind, self._session.editor.unit / 2)
+        self._session.document.put(self._session.editor.selection or "", shape, "change")
 
     def _turn(self, degrees: float) -> None:
         editor, region = self._session.editor, self._session.editor.selected
@@ -227,6 +224,26 @@ def read_corners(text: str) -> tuple[tuple[float, float], ...]:
             ) from None
         points.append((x, y))
     return tuple(points)
+
+
+def as_kind(region: Region, kind: str, half: float) -> Region:
+    """A region of another kind, as much like a region as possible.
+
+    Args:
+        region: of the same dimension.
+        kind: one that can be drawn.
+        half: size where the region has none [m].
+    """
+    size = region.size or (half,)
+    if kind in SHAPES:
+        return Region(region.name, kind, region.center, _size_for(kind, size))
+    (x, y), (a, b) = region.center[:2], region.half_extents[:2].tolist()
+    a, b = a or half, b or half
+    points = ((x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b))
+    if kind == "polygon":
+        return Region(region.name, kind, points=points)
+    middle, tall = region.center[2], float(region.half_extents[2]) or half
+    return Region(region.name, kind, points=points, z=(middle - tall, middle + tall))
 
 
 def _size_for(kind: str, size: tuple[float, ...]) -> tuple[float, ...]:

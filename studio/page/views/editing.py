@@ -47,6 +47,7 @@ class EditingView:
         self._scene, self._server = server.scene, server
         self._selected: tuple[Region | None, Decomposition | None] | None = None
         self._preview: Region | None = None
+        self._corners: tuple[tuple[float, float], ...] = ()
         self._kinds: tuple = ()
         self._grips: list[viser.SceneNodeHandle] = []
 
@@ -58,9 +59,27 @@ class EditingView:
             self._selected = selected
             with self._server.atomic():
                 self._show_selected(session, editor.selected)
+        if editor.corners != self._corners:
+            self._corners = editor.corners
+            self._show_corners(editor.corners, editor.unit)
         if editor.preview is not self._preview:
             self._preview = editor.preview
             self._line("/edit/preview", editor.preview, ABOVE, PREVIEW, 3.0)
+
+    def _show_corners(self, corners: tuple[tuple[float, float], ...], unit: float) -> None:
+        """A ring at each corner that was clicked, and the way from one to the next."""
+        if not corners:
+            self._scene.remove_by_name("/edit/corners")
+            return
+        rings = [outline(Region("corner", "circle", at, (HANDLE * unit,)), ABOVE) for at in corners]
+        way = np.column_stack([np.array(corners), np.full(len(corners), ABOVE)])
+        self._scene.add_line_segments(
+            "/edit/corners",
+            np.concatenate([*rings, np.stack([way[:-1], way[1:]], 1)]).astype(np.float32),
+            PREVIEW,
+            thickness=3.0,
+            thickness_units="screen",
+        )
 
     def _show_selected(self, session: Session, region: Region | None) -> None:
         height = ABOVE + _body_height(session)

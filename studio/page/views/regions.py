@@ -6,9 +6,9 @@ import viser
 
 from scenes import Region, unit_of
 from scenes.starts import inner_point
-from studio.page.editing.editor import INITIAL, SELECT, Phase, Point
+from studio.page.editing.editor import CLICKED, INITIAL, SELECT, Phase, Point
 from studio.page.session import Session
-from studio.page.views.floor import drawing_drag
+from studio.page.views.floor import click_corner, drawing_drag
 from studio.page.views.pointer import on_level_drag
 from studio.page.views.roles import Role, roles
 from studio.page.views.solids import Solid, add_solid, place_solid, rgb, seen, top
@@ -143,8 +143,11 @@ def _listen(session: Session, body: Solid, target: str) -> None:
     if target != INITIAL:
 
         @body.on_click
-        async def _(_) -> None:
-            session.post(lambda: session.editor.select(target))
+        async def _(event: viser.SceneNodePointerEvent) -> None:
+            if session.editor.tool in CLICKED:
+                click_corner(session, event)
+            else:
+                session.post(lambda: session.editor.select(target))
 
 
 def _label_position(node: str, region: Region, height: float) -> tuple[float, float, float]:
