@@ -81,14 +81,20 @@ def fitted(workspace: Workspace, arena: Arena) -> Workspace:
 
 def holding(arena: Arena, regions: Sequence[Region], robot: Robot) -> Arena | None:
     """An arena that holds another and all regions; None if it would be the same, or not allowed."""
+    found = hull(arena, regions)
+    wider = tuple((float(np.floor(low)), float(np.ceil(high))) for low, high in found)
+    try:
+        return None if found == arena else checked(wider, robot)
+    except SceneError:
+        return None
+
+
+def hull(arena: Arena, regions: Sequence[Region]) -> Arena:
+    """The smallest box that contains an arena and some regions."""
     low, high = np.array(arena, float).T
     least = np.min([low, *(region.center - region.half_extents for region in regions)], axis=0)
     most = np.max([high, *(region.center + region.half_extents for region in regions)], axis=0)
-    wider = tuple(zip(np.floor(least).tolist(), np.ceil(most).tolist(), strict=True))
-    try:
-        return None if (least >= low).all() and (most <= high).all() else checked(wider, robot)
-    except SceneError:
-        return None
+    return tuple(zip(least.tolist(), most.tolist(), strict=True))
 
 
 def scale_of(workspace: Workspace, arena: Arena) -> float:

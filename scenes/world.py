@@ -16,7 +16,7 @@ import numpy as np
 
 from core.stl import Formula, robustness, to_text
 from envs import Workspace
-from scenes.arena import Arena, cells, holding
+from scenes.arena import Arena, cells, fitted, holding, hull
 from scenes.fields import Grid, geodesic_field, interpolate
 from scenes.margins import PADDING_MARGIN, RegionArrays, margins_and_gradients, region_arrays
 from scenes.regions import SceneError
@@ -134,14 +134,18 @@ def make_world(workspace: Workspace) -> GridWorld:
 
 
 def world_of(scene: Scene) -> GridWorld:
-    """The world that a scene's robot moves in."""
-    own, workspace = robot_of(scene).workspace, workspace_of(scene)
-    if workspace == own:
+    """The world that a scene's robot moves in.
+
+    In a scene's own arena, ways are planned from starts outside it too.
+    """
+    own, arena = robot_of(scene).workspace, workspace_of(scene).arena
+    if arena == own.arena:
         return make_world(own)
-    origin = tuple(low for low, _ in workspace.arena)
-    shape = tuple((cells(own, workspace.arena) + 1).tolist())
-    grid = Grid(origin, workspace.spacing, shape)
-    return GridWorld(grid, workspace.clearance, workspace.inset, workspace.arena)
+    arena = hull(arena, (scene.initial,))
+    workspace = fitted(own, arena)
+    origin = tuple(low for low, _ in arena)
+    grid = Grid(origin, workspace.spacing, tuple((cells(own, arena) + 1).tolist()))
+    return GridWorld(grid, workspace.clearance, workspace.inset, arena)
 
 
 class GoalGeometry(NamedTuple):
@@ -226,7 +230,8 @@ def goal_geometry(
 
 def _wider(scene: Scene) -> str:
     """What to write so that all regions lie in the arena; nothing where that does not help."""
-    wider = holding(workspace_of(scene).arena, scene.regions, robot_of(scene))
+    everywhere = (*scene.regions, scene.initial)
+    wider = holding(workspace_of(scene).arena, everywhere, robot_of(scene))
     pairs = [] if wider is None else [list(pair) for pair in wider]
     return f"; a scene with `arena = {pairs}` holds all its regions" if pairs else ""
 

@@ -156,3 +156,13 @@ def test_a_goal_outside_is_answered_with_an_arena_that_would_do():
     arena = str(caught.value).split("`")[1].removeprefix("arena = ")
     wider = replace(scene, arena=eval(arena))
     assert goal_geometry(world_of(wider), wider, [parse("A")], [[]], 8).center[0, 0] > 6.5
+
+
+def test_ways_lead_in_from_starts_outside():
+    start = Region("initial", "circle", (-3.0, -2.0), (0.5,))
+    goal = Region("A", "circle", (8.0, 8.0), (0.5,))
+    scene = replace(SCENE, arena=((0.0, 10.0), (0.0, 10.0)), regions=(goal,), formula="F_[0:9](A)")
+    world = world_of(replace(scene, initial=start))
+    low, high = world.limits
+    np.testing.assert_allclose((low, high), ((-3.5, -2.5), (10.0, 10.0)))
+    assert not world.beyond(world.grid.nodes()[:1]).any()
