@@ -31,9 +31,18 @@ def mission_of(scene: Scene, formula: Formula) -> Mission:
     def margin(i: int, positions: np.ndarray) -> np.ndarray:
         return margin_of(regions[i], positions)
 
+    def tiny_ball(i: int, positions: np.ndarray) -> np.ndarray:
+        if i < len(regions) - 1:
+            return margin(i, positions)
+        return tiny - np.linalg.norm(positions - scene.initial.center, axis=1)
+
     tolerance = ROUNDING * max(10.0, float((np.abs(center) + half).max()))
     radius = np.array([_radius(region) for region in regions])
-    places = Places(names, center - half, center + half, radius, margin, tolerance)
+    is_point, tiny = scene.initial.kind == "point", 2 * tolerance
+    if is_point:  # otherwise it would have no inside
+        half[-1], radius[-1] = tiny, tiny
+    known = tiny_ball if is_point else margin
+    places = Places(names, center - half, center + half, radius, known, tolerance)
     robot = robot_of(scene)
     starts = _starts(places, scene.initial)
     return Mission(formula, places, starts, robot, workspace_of(scene).arena)

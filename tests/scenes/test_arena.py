@@ -86,7 +86,8 @@ def test_grids_cover_arenas_with_about_as_many_nodes_and_few_shapes():
         low = random.uniform(-20, 20, 2)
         sides = random.uniform(1, 25) * np.array([1.0, random.uniform(1, 4)])
         arena = tuple(zip(low.tolist(), (low + sides).tolist(), strict=True))
-        world = world_of(replace(SCENE, arena=arena))
+        start = SCENE.initial.at((low + sides / 2).tolist()).sized((0.1,))
+        world = world_of(replace(SCENE, arena=arena, initial=start))
         nodes = world.grid.nodes()
         np.testing.assert_allclose(nodes.min(0), low, atol=1e-9)
         assert (nodes.max(0) >= low + sides - 1e-9).all()
@@ -117,9 +118,8 @@ def test_planning_scales_with_the_arena(factor):
 def test_fields_are_read_where_the_arena_lies():
     """The distance to a disc in an empty arena, between the nodes of its grid."""
     goal = Region("A", "circle", (110.0, 48.0), (2.0,))
-    scene = replace(
-        SCENE, arena=((100.0, 120.0), (40.0, 50.0)), regions=(goal,), formula="F_[0:9](A)"
-    )
+    arena, start = ((100.0, 120.0), (40.0, 50.0)), SCENE.initial.at((105.0, 45.0))
+    scene = replace(SCENE, arena=arena, initial=start, regions=(goal,), formula="F_[0:9](A)")
     world = world_of(scene)
     geometry = goal_geometry(world, scene, [parse("A")], [[]], 8)
     data = world_arrays(scene, MAX_ATOMS, geometry.fields[0])
@@ -140,7 +140,8 @@ def test_ways_stay_in_the_arena():
     arena = ((0.0, 10.0), (0.0, 13.0))
     wall = Region("W", "rectangle", (5.0, 6.5), (0.5, 6.5))
     goal = Region("A", "circle", (9.0, 12.0), (0.5,))
-    scene = replace(SCENE, arena=arena, regions=(wall, goal), formula="F_[0:9](A)")
+    start = SCENE.initial.at((2.0, 2.0))
+    scene = replace(SCENE, arena=arena, initial=start, regions=(wall, goal), formula="F_[0:9](A)")
     world = world_of(scene)
     assert world.grid.nodes().max(0)[1] > 13.5
     fields = goal_geometry(world, scene, [parse("A")], [[parse("!W")]], 8).fields[0, 0, ..., 0]
