@@ -102,6 +102,12 @@ def scale_of(workspace: Workspace, arena: Arena) -> float:
     return float(np.prod(_sides(arena) / _sides(workspace.arena)) ** (1 / len(arena)))
 
 
+def round_scale(scale: float) -> float:
+    """The largest of ..., 0.5, 1, 2, 5, 10, ... that is no more than a scale."""
+    power = 10.0 ** np.floor(np.log10(scale) + 1e-9)
+    return float(power * max(factor for factor in (1, 2, 5) if factor <= scale / power + 1e-9))
+
+
 def cells(workspace: Workspace, arena: Arena) -> np.ndarray:
     """Cells [d] of the grid along each axis of an arena, for a robot with a workspace."""
     own = np.ceil(_sides(workspace.arena) / workspace.spacing - 1e-9)

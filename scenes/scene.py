@@ -27,7 +27,7 @@ import msgspec
 from core.documents import typed
 from core.errors import UserError, allowed
 from envs import ENVS, Robot, Workspace, make_robot
-from scenes.arena import Arena, checked, fitted, scale_of
+from scenes.arena import Arena, checked, fitted, round_scale, scale_of
 from scenes.regions import Region, SceneError
 from scenes.tables import key, quoted, quoted_lines, region_from, region_lines
 from scenes.toml import LARGEST_FILE, read_toml
@@ -145,9 +145,13 @@ def workspace_of(scene: Scene) -> Workspace:
 
 
 def unit_of(scene: Scene) -> float:
-    """The length [m] that counts as one where a scene is drawn: the robot's, in its arena."""
+    """The length [m] that counts as one where a scene is drawn: the robot's, in its arena.
+
+    In another arena it is multiplied by 1, 2 or 5 times a power of ten, so that a grid of it is
+    one of round numbers.
+    """
     robot = robot_of(scene)
-    return robot.length * scale_of(robot.workspace, workspace_of(scene).arena)
+    return robot.length * round_scale(scale_of(robot.workspace, workspace_of(scene).arena))
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:

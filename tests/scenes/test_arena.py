@@ -22,6 +22,7 @@ from scenes import (
     world_arrays,
     world_of,
 )
+from scenes.arena import round_scale
 
 SCENE = load_task("linear-demo")
 
@@ -167,3 +168,11 @@ def test_ways_lead_in_from_starts_outside():
     low, high = world.limits
     np.testing.assert_allclose((low, high), ((-3.5, -2.5), (10.0, 10.0)))
     assert not world.beyond(world.grid.nodes()[:1]).any()
+
+
+@pytest.mark.parametrize(
+    ("scale", "expected"),
+    [(1, 1), (1.18, 1), (2, 2), (3, 2), (5.1, 5), (0.2, 0.2), (0.15, 0.1), (0.99, 0.5), (25, 20)],
+)
+def test_what_is_drawn_has_round_sizes(scale, expected):
+    assert round_scale(scale) == pytest.approx(expected)
