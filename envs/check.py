@@ -116,6 +116,8 @@ def _check_workspace(robot: Robot) -> Iterator[Finding]:
     if not all(-math.inf < low < high < math.inf for low, high in arena):
         yield Finding("workspace", f"arena {arena}: low must be below high on every axis")
         return
+    if workspace.reach is not None and not _within(arena, workspace.reach):
+        yield Finding("workspace", f"arena {arena} must lie within reach {workspace.reach}")
     extents = [high - low for low, high in arena]
     if not 0 < workspace.spacing <= min(extents) / 4:
         yield Finding(
@@ -145,6 +147,12 @@ def _check_workspace(robot: Robot) -> Iterator[Finding]:
         )
     if robot.speed > max(extents) / 4:
         yield Finding("speed", f"is {robot.speed:g} m a step in an arena of {max(extents):g} m")
+
+
+def _within(inner: tuple, outer: tuple) -> bool:
+    """Whether one box, (low, high) an axis, lies in another."""
+    pairs = zip(inner, outer, strict=False)
+    return len(inner) == len(outer) and all(o[0] <= i[0] and i[1] <= o[1] for i, o in pairs)
 
 
 def _check_value_semantics(robot: Robot) -> Iterator[Finding]:

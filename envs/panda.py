@@ -95,7 +95,11 @@ class Panda:
     iterations: int = 15
     damping: float = 1e-3
     workspace: Workspace = Workspace(
-        ((0.1, 0.86), (-0.7, 0.7), (0.0, 1.0)), spacing=0.04, clearance=0.03, inset=0.02
+        ((0.1, 0.86), (-0.7, 0.7), (0.0, 1.0)),
+        spacing=0.04,
+        clearance=0.03,
+        inset=0.02,
+        reach=((-0.855, 0.86), (-0.855, 0.855), (0.0, 1.188)),
     )
     tuning: Tuning = Tuning()
     drawn_as: str = "arm"

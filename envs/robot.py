@@ -17,12 +17,15 @@ class Workspace:
             and 20 to 35 in space serve well.
         clearance: Distance that planned ways keep from obstacles in [m].
         inset: Depth in goals that planned ways aim at in [m].
+        reach: (low, high) in [m] of each axis that no scene's arena may leave, as an arm cannot;
+            None for a robot that goes anywhere.
     """
 
     arena: tuple[tuple[float, float], ...]
     spacing: float
     clearance: float = 0.15
     inset: float = 0.1
+    reach: tuple[tuple[float, float], ...] | None = None
 
     @property
     def middle(self) -> tuple[float, ...]:

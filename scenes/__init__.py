@@ -1,5 +1,6 @@
 """Regions, scenes and the shipped tasks."""
 
+from scenes.blank import blank
 from scenes.formula import scene_formula, scene_reading
 from scenes.layouts import walls
 from scenes.margins import RegionArrays, margins, margins_and_gradients, region_arrays
@@ -15,6 +16,8 @@ from scenes.scene import (
     robot_of,
     save_scene,
     task_names,
+    unit_of,
+    workspace_of,
 )
 from scenes.world import (
     GoalGeometry,
@@ -32,6 +35,7 @@ __all__ = [
     "RegionArrays",
     "Scene",
     "SceneError",
+    "blank",
     "demo_names",
     "format_scene",
     "goal_geometry",
@@ -48,7 +52,9 @@ __all__ = [
     "scene_formula",
     "scene_reading",
     "task_names",
+    "unit_of",
     "walls",
     "world_arrays",
+    "workspace_of",
     "world_of",
 ]

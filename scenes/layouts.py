@@ -11,6 +11,7 @@ Whether a layout leaves time for the task is for the caller to check.
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -69,7 +70,7 @@ def perturbed(
         perturbation: how far regions move; the default of `Perturbation` if None.
     """
     perturbation = Perturbation() if perturbation is None else perturbation
-    low, high = _workspace(world)
+    low, high = world.limits
     if perturbation.mirror:
         scene = _mirrored(scene, (random.random(low.size) < 0.5) & np.isclose(low, -high))
     standing = walls(scene, world)
@@ -87,15 +88,21 @@ def perturbed(
 
 def walls(scene: Scene, world: GridWorld) -> list[Region]:
     """Boxes that cover a whole face of the workspace."""
-    low, high = _workspace(world)
+    low, high = world.limits
     return [region for region in scene.regions if _faces(region, low, high).any()]
 
 
 def separation(first: Region, second: Region) -> float:
     """Distance in [m] between two regions, negative or 0 where they touch.
 
-    Cylinders count as the boxes around them, so the distance is never overestimated.
+    Cylinders, turned shapes and polygons count as the boxes around them, and so does each part of a
+    union, so the distance is never overestimated.
     """
+    pairs = product(first.pieces, second.pieces)
+    return min(_separation(one, other) for one, other in pairs)
+
+
+def _separation(first: Region, second: Region) -> float:
     offset = np.abs(np.subtract(first.center, second.center))
     radius = 0.0
     for region in (first, second):
@@ -110,19 +117,12 @@ def separation(first: Region, second: Region) -> float:
 
 def half_extents(region: Region) -> np.ndarray:
     """Half sides [d] in [m] of the box around a region."""
-    if region.kind == "cylinder":
-        return np.array([region.size[0], region.size[0], region.size[1]])
-    return np.resize(region.size, region.dimension)
-
-
-def _workspace(world: GridWorld) -> tuple[np.ndarray, np.ndarray]:
-    low = np.asarray(world.grid.origin, float)
-    return low, low + world.grid.spacing * (np.asarray(world.grid.shape) - 1)
+    return region.half_extents
 
 
 def _faces(region: Region, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Faces of the workspace [2, d], low ones first, that a box covers completely, to 2 %."""
-    if region.kind not in ("rectangle", "box"):
+    if region.kind not in ("rectangle", "box") or region.angle:
         return np.zeros((2, len(low)), bool)
     slack = 0.02 * (high - low)
     center, half = np.asarray(region.center), half_extents(region)
@@ -213,27 +213,29 @@ def _arrange(
 
 
 def _moved(region: Region, shift: np.ndarray) -> Region:
-    return replace(region, center=tuple((np.asarray(region.center) + shift).tolist()))
+    return region.at((np.asarray(region.center) + shift).tolist())
 
 
 def _resized(region: Region, free: np.ndarray, scale: float, random: np.random.Generator) -> Region:
     """Scale the sizes along free axes, each by its own factor."""
+    if region.kind in ("union", "point"):
+        return region
     match region.kind:
         case "circle" | "sphere":
             may = np.array([free.all()])
         case "cylinder":
             may = np.array([free[:2].all(), free[2]])
+        case "rectangle" | "box" if region.angle:
+            may = np.array([free[:2].all(), free[:2].all(), *free[2:]])
         case _:
             may = free
     factor = np.where(may, 1 + random.uniform(-scale, scale, may.size), 1.0)
-    return replace(region, size=tuple((np.asarray(region.size) * factor).tolist()))
+    return region.sized((np.asarray(region.size) * factor).tolist())
 
 
 def _mirrored(scene: Scene, axes: np.ndarray) -> Scene:
     """The scene with the sign of the coordinates on some axes [d] flipped."""
     sign = np.where(axes, -1.0, 1.0)
 
-    def mirror(region: Region) -> Region:
-        return replace(region, center=tuple((sign * region.center).tolist()))
-
-    return replace(scene, regions=tuple(map(mirror, scene.regions)), initial=mirror(scene.initial))
+    regions = tuple(region.mirrored(sign) for region in scene.regions)
+    return replace(scene, regions=regions, initial=scene.initial.mirrored(sign))

@@ -10,19 +10,31 @@ excesses q, one entry per independent direction,
 
     sd = ||max(q, 0)|| + min(max_i q_i, 0).
 
-Dimensions: A regions (padded), d of the space (2 or 3).
+Turned shapes, polygons, prisms and unions are put together from such rows and from polygons
+(`scenes.compound`), in scenes that have some; all others do without that code.
+
+Dimensions: A regions (padded), R rows of shapes (padded), R = A without compound regions, d of the
+space (2 or 3).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from scenes.compound import (
+    PADDING_MARGIN,
+    Compound,
+    combined,
+    compound_of,
+    into,
+    out_of,
+    padded,
+    shapes_of,
+)
 from scenes.regions import Region, SceneError
-
-PADDING_MARGIN = -1e3
-"""Margin of a padding row in [m]: never inside."""
 
 BALL, BOX, CYLINDER = 0, 1, 2
 _CODES = {"circle": BALL, "sphere": BALL, "rectangle": BOX, "box": BOX, "cylinder": CYLINDER}
@@ -33,30 +45,46 @@ _TINY = 1e-12  # squared length in [m^2] under which a direction counts as undef
 class RegionArrays(NamedTuple):
     """Regions as data, padded to a capacity, so that other regions need no compilation."""
 
-    kind: jax.Array  # [A] int32: BALL, BOX or CYLINDER
-    center: jax.Array  # [A, d] float32 [m]
-    size: jax.Array  # [A, d] float32 [m], unused entries 0
-    mask: jax.Array  # [A] bool: False on padding
+    kind: jax.Array  # [R] int32: BALL, BOX or CYLINDER
+    center: jax.Array  # [R, d] float32 [m]
+    size: jax.Array  # [R, d] float32 [m], unused entries 0
+    mask: jax.Array  # [R] bool: False on padding
+    compound: Compound | None = None
+    """How the regions are made of the rows; None where each is its row."""
 
 
 def region_arrays(regions: tuple[Region, ...], dimension: int, capacity: int) -> RegionArrays:
-    """Pack regions of one dimension, in order, into arrays of `capacity` rows."""
+    """Pack regions of one dimension, in order, into arrays for `capacity` regions."""
     if len(regions) > capacity:
         raise SceneError(f"{len(regions)} regions are too many: at most {capacity} are allowed")
-    kind = np.zeros(capacity, np.int32)
-    center = np.zeros((capacity, dimension), np.float32)
-    size = np.zeros((capacity, dimension), np.float32)
-    for row, region in enumerate(regions):
+    for region in regions:
         if region.dimension != dimension:
             raise SceneError(
                 f"region {region.name!r} is a {region.kind} of dimension {region.dimension}; "
                 f"the workspace has dimension {dimension}"
             )
+    if all(region.kind in _CODES and region.angle == 0 for region in regions):
+        return _rows(regions, dimension, capacity)
+    shapes = shapes_of(regions)
+    count = padded(len(shapes), capacity)
+    return _rows(shapes, dimension, count)._replace(
+        compound=compound_of(regions, dimension, capacity, count)
+    )
+
+
+def _rows(regions: Sequence[Region], dimension: int, capacity: int) -> RegionArrays:
+    """A row for each shape."""
+    kind = np.zeros(capacity, np.int32)
+    center = np.zeros((capacity, dimension), np.float32)
+    size = np.zeros((capacity, dimension), np.float32)
+    for row, region in enumerate(regions):
         kind[row] = _CODES[region.kind]
         center[row] = region.center
         size[row, : len(region.size)] = region.size
     mask = np.arange(capacity) < len(regions)
-    return RegionArrays(*(jnp.asarray(array) for array in (kind, center, size, mask)))
+    return RegionArrays(
+        jnp.asarray(kind), jnp.asarray(center), jnp.asarray(size), jnp.asarray(mask)
+    )
 
 
 def margins(arrays: RegionArrays, position: jax.Array) -> jax.Array:
@@ -70,7 +98,16 @@ def margins_and_gradients(arrays: RegionArrays, position: jax.Array) -> tuple[ja
     The gradient points into the region. On a kink (a ball's center, a box's diagonals) it is one
     of the limits, or zero at a center; on padding it is zero.
     """
-    excess, directions = _excesses(arrays, position - arrays.center)
+    if arrays.compound is None:
+        return _row_margins(arrays, position - arrays.center)
+    offset = into(arrays.compound, position - arrays.center)
+    margin, gradient = _row_margins(arrays, offset)
+    return combined(arrays.compound, position, margin, out_of(arrays.compound, gradient))
+
+
+def _row_margins(arrays: RegionArrays, offset: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Margins [R] and gradients [R, d] of the rows at offsets [R, d] from their centres."""
+    excess, directions = _excesses(arrays, offset)
     positive = jnp.maximum(excess, 0.0)
     outside, outward = _length_and_direction(positive)
     largest = jnp.max(excess, axis=-1)

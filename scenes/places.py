@@ -1,13 +1,15 @@
 """The regions of a scene, as judgements on its feasibility know them."""
 
+import math
+
 import numpy as np
 
 from core.stl import Formula
 from core.task.feasibility import Mission, Places
 from scenes.distances import margin_of
-from scenes.layouts import half_extents
 from scenes.regions import Region
-from scenes.scene import Scene, robot_of
+from scenes.scene import Scene, robot_of, workspace_of
+from scenes.starts import inner_point
 
 START = "\0start"
 """Name of the initial set among the places; no region can be called so."""
@@ -23,29 +25,49 @@ def mission_of(scene: Scene, formula: Formula) -> Mission:
     """What is judged of a scene with its parsed formula."""
     regions = (*scene.regions, scene.initial)
     center = np.array([region.center for region in regions], float)
-    half = np.array([half_extents(region) for region in regions])
+    half = np.array([region.half_extents for region in regions])
     names = (*scene.region_names, START)
 
     def margin(i: int, positions: np.ndarray) -> np.ndarray:
         return margin_of(regions[i], positions)
 
+    def tiny_ball(i: int, positions: np.ndarray) -> np.ndarray:
+        if i < len(regions) - 1:
+            return margin(i, positions)
+        return tiny - np.linalg.norm(positions - scene.initial.center, axis=1)
+
     tolerance = ROUNDING * max(10.0, float((np.abs(center) + half).max()))
     radius = np.array([_radius(region) for region in regions])
-    places = Places(names, center - half, center + half, radius, margin, tolerance)
+    is_point, tiny = scene.initial.kind == "point", 2 * tolerance
+    if is_point:  # otherwise it would have no inside
+        half[-1], radius[-1] = tiny, tiny
+    known = tiny_ball if is_point else margin
+    places = Places(names, center - half, center + half, radius, known, tolerance)
     robot = robot_of(scene)
-    return Mission(formula, places, _starts(places), robot, robot.workspace.arena)
+    starts = _starts(places, scene.initial)
+    return Mission(formula, places, starts, robot, workspace_of(scene).arena)
 
 
 def _radius(region: Region) -> float:
-    """Of the smallest ball around a region's centre that contains it [m]."""
-    if region.kind in ("circle", "sphere"):
-        return region.size[0]
+    """Of a ball around a region's centre that contains it [m], the smallest for simple shapes."""
+    match region.kind:
+        case "circle" | "sphere":
+            return region.size[0]
+        case "polygon" | "prism":
+            reach = np.linalg.norm(np.array(region.points) - region.center[:2], axis=1).max()
+            return float(np.linalg.norm([reach, *region.size[2:]]))
+        case "union":
+            return max(
+                math.dist(part.center, region.center) + _radius(part) for part in region.parts
+            )
     return float(np.linalg.norm(region.size))
 
 
-def _starts(places: Places) -> np.ndarray:
+def _starts(places: Places, initial: Region) -> np.ndarray:
     """A grid of positions [P, d] in the initial set, its boundary included [m]."""
+    if initial.kind == "point":
+        return np.array([initial.center])
     axes = np.linspace(places.low[-1], places.high[-1], ACROSS).T
     positions = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, len(axes))
     inside = places.margin(len(places.names) - 1, positions) >= -1e-4  # of the box around a ball
-    return positions[inside]
+    return positions[inside] if inside.any() else inner_point(initial)[None]

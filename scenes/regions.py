@@ -1,39 +1,49 @@
 """Named regions: the shapes that the atoms of a formula denote.
 
-A region is a closed set of positions given by its kind, its center and its size, in metres:
+A region is a closed set of positions, in metres:
 
-=========  =  ==================================
-kind       d  size
-=========  =  ==================================
-circle     2  (radius,)
-rectangle  2  (half_x, half_y)
-sphere     3  (radius,)
-box        3  (half_x, half_y, half_z)
-cylinder   3  (radius, half_height), axis along z
-=========  =  ==================================
+=========  =  =================================================================
+kind       d  what it is given by
+=========  =  =================================================================
+circle     2  center, size (radius,)
+rectangle  2  center, size (half_x, half_y), angle
+sphere     3  center, size (radius,)
+box        3  center, size (half_x, half_y, half_z), angle
+cylinder   3  center, size (radius, half_height), axis along z
+polygon    2  points: 3 to 16 corners, convex or not
+prism      3  points: the polygon of its base; z: from where to where it stands
+union      -  parts: regions of other kinds
+point      -  center; an initial set only
+=========  =  =================================================================
+
+An angle turns a rectangle or a box about the vertical axis through its centre, counter-clockwise,
+in degrees. Polygons, prisms and unions have the centre and the half sides of the box around them
+as their `center` and `size`.
 """
 
-import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
-from core.errors import UserError, allowed
+import numpy as np
+
+from core.errors import allowed
+from scenes import polygons
+from scenes.checks import (
+    SMALLEST_SIZE,
+    SceneError,
+    check_name,
+    is_color,
+    numbers,
+)
 
 Kind = Literal["circle", "rectangle", "sphere", "box", "cylinder"]
 
-LARGEST_COORDINATE = 1e3
-"""Largest magnitude of a coordinate and largest size in [m]; float32 stays exact to 0.1 mm."""
+LARGEST_ANGLE = 360.0
 
-SMALLEST_SIZE = 1e-6
-"""Smallest size in [m]; a smaller region vanishes in float32."""
-
-LONGEST_NAME = 40
-"""Largest number of characters of a region's name."""
-
-
-class SceneError(UserError):
-    """A scene, a region or a scene file that cannot be used."""
+MOST_PARTS = 16
+"""Parts of a union."""
 
 
 class Shape(NamedTuple):
@@ -52,79 +62,221 @@ SHAPES = MappingProxyType(
         "cylinder": Shape(3, ("radius", "half_height")),
     }
 )
+"""Kinds given by a center and a size."""
 assert set(SHAPES) == set(get_args(Kind))
+
+TURNED = ("rectangle", "box")
+"""Kinds that may have an angle."""
+
+KINDS = (*SHAPES, "polygon", "prism", "union", "point")
+
+FIELDS = MappingProxyType(
+    {kind: ("center", "size") for kind in SHAPES}
+    | {kind: ("center", "size", "angle") for kind in TURNED}
+    | {"polygon": ("points",), "prism": ("points", "z")}
+    | {"union": ("parts",), "point": ("center",)}
+)
+"""What each kind is given by."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """A named closed region of the plane or of space.
+    """A named closed region of the plane or of space; see the module's table.
 
     Attributes:
         name: The atom of the formulas that the region interprets.
-        kind: One of `SHAPES`.
+        kind: One of `KINDS`.
         center: [d] in [m].
-        size: Half extents or radius in [m], all positive; see the module's table.
+        size: Half extents or radius in [m], all positive.
         color: `#rrggbb`, or None for the viewer's choice.
+        angle: Of a rectangle or box, in degrees.
+        points: (x, y) of a polygon's or prism's corners in [m].
+        z: Low and high end of a prism in [m].
+        parts: Of a union.
     """
 
     name: str
     kind: str
-    center: tuple[float, ...]
-    size: tuple[float, ...]
+    center: tuple[float, ...] = ()
+    size: tuple[float, ...] = ()
     color: str | None = None
+    angle: float = 0.0
+    points: tuple[tuple[float, float], ...] = ()
+    z: tuple[float, ...] = ()
+    parts: "tuple[Region, ...]" = ()
 
     def __post_init__(self):
         check_name(self.name)
-        if not isinstance(self.kind, str) or self.kind not in SHAPES:
-            raise SceneError(f"kind: unknown {self.kind!r}. {allowed(self.kind, SHAPES)}")
-        shape = SHAPES[self.kind]
-        axes = ("x", "y", "z")[: shape.dimension]
-        center = _numbers("center", self.center, axes, self.kind)
-        size = _numbers("size", self.size, shape.sizes, self.kind)
-        if min(size) <= 0:
-            raise SceneError(f"size: {list(size)} must be positive [m]")
-        if min(size) < SMALLEST_SIZE:
-            raise SceneError(f"size: {list(size)} must be at least {SMALLEST_SIZE:g} m")
-        object.__setattr__(self, "center", center)
-        object.__setattr__(self, "size", size)
-        if self.color is not None and not _is_color(self.color):
+        if not isinstance(self.kind, str) or self.kind not in KINDS:
+            raise SceneError(f"kind: unknown {self.kind!r}. {allowed(self.kind, KINDS)}")
+        self._check_fields()
+        match self.kind:
+            case "polygon" | "prism":
+                self._check_points()
+            case "union":
+                self._check_parts()
+            case "point":
+                self._set(center=_point(self.center))
+            case _:
+                self._check_shape()
+        if self.color is not None and not is_color(self.color):
             raise SceneError(f"color: {self.color!r} is not of the form '#rrggbb'")
 
     @property
     def dimension(self) -> int:
         """Dimension d of the space: 2 or 3."""
-        return SHAPES[self.kind].dimension
+        return len(self.center)
 
+    @property
+    def half_extents(self) -> np.ndarray:
+        """Half sides [d] in [m] of the box around the region, which has its centre."""
+        match self.kind:
+            case "cylinder":
+                return np.array([self.size[0], self.size[0], self.size[1]])
+            case "rectangle" | "box" if self.angle:
+                cosine, sine = np.abs(self.turn)
+                x, y, *rest = self.size
+                return np.array([cosine * x + sine * y, sine * x + cosine * y, *rest])
+            case "point":
+                return np.zeros(self.dimension)
+        return np.resize(self.size, self.dimension)
 
-def check_name(name: object) -> None:
-    """Refuse names that a formula cannot quote: empty, long, padded, with quotes or controls."""
-    if not isinstance(name, str) or not name:
-        raise SceneError(f"name: {name!r} must be non-empty text")
-    if len(name) > LONGEST_NAME:
-        raise SceneError(f"name: {name[:LONGEST_NAME]!r}... is longer than {LONGEST_NAME}")
-    if not name.isprintable() or name != name.strip() or re.search(r"[\"'`\\]", name):
-        raise SceneError(
-            f"name: {name!r} must be printable, without quotes, backslashes or spaces at the ends"
+    @property
+    def turn(self) -> tuple[float, float]:
+        """Cosine and sine of the angle; exact for quarter turns."""
+        quarters, rest = divmod(self.angle, 90.0)
+        if rest == 0:
+            return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarters) % 4]
+        angle = np.deg2rad(self.angle)
+        return float(np.cos(angle)), float(np.sin(angle))
+
+    @property
+    def pieces(self) -> "tuple[Region, ...]":
+        """The parts of a union; of all others, the region itself."""
+        return self.parts or (self,)
+
+    def at(self, center: Sequence[float]) -> "Region":
+        """The region with its centre moved to a position [d] in [m]."""
+        if self.kind in SHAPES or self.kind == "point":
+            return replace(self, center=tuple(center))
+        return self._mapped(np.ones(self.dimension), np.subtract(center, self.center))
+
+    def mirrored(self, sign: np.ndarray) -> "Region":
+        """The region with its coordinates multiplied by 1 or -1 [d]."""
+        if self.kind not in SHAPES and self.kind != "point":
+            return self._mapped(sign, np.zeros(self.dimension))
+        angle = -self.angle if self.angle and sign[0] * sign[1] < 0 else self.angle
+        return replace(self, center=tuple((sign * self.center).tolist()), angle=angle)
+
+    def sized(self, size: Sequence[float]) -> "Region":
+        """The region with other sizes [m]; polygons and prisms are stretched.
+
+        Raises:
+            SceneError: a union or a point, which have no sizes of their own.
+        """
+        if self.kind in SHAPES:
+            return replace(self, size=tuple(size))
+        if self.kind not in ("polygon", "prism"):
+            raise SceneError(f"size: a {self.kind} has none of its own")
+        factor = np.divide(size, self.size)
+        return self._mapped(factor, (1 - factor) * self.center)
+
+    def _mapped(self, scale: np.ndarray, shift: np.ndarray) -> "Region":
+        """With scale * p + shift for every position p [d] of a polygon, a prism or a union.
+
+        A union's parts are mirrored, but not stretched.
+        """
+
+        def mapped(position: Sequence[float], axes: slice) -> tuple[float, ...]:
+            values = scale[axes] * np.array(position) + shift[axes]
+            return tuple(np.round(values, 9).tolist())
+
+        return replace(
+            self,
+            center=(),
+            size=(),
+            points=tuple(mapped(point, slice(2)) for point in self.points),
+            z=tuple(sorted(mapped(self.z, slice(2, None)))) if self.z else (),
+            parts=tuple(
+                part.mirrored(scale).at(mapped(part.center, slice(None))) for part in self.parts
+            ),
         )
 
+    def _check_fields(self) -> None:
+        """Refuse what the kind does not have."""
+        given = {"angle": self.angle, "points": self.points, "z": self.z, "parts": self.parts}
+        for field, value in given.items():
+            if field not in FIELDS[self.kind] and value not in ((), 0.0):
+                wanted = ", ".join(FIELDS[self.kind])
+                raise SceneError(f"{field}: a {self.kind} has none; it is given by {wanted}")
 
-def _is_color(color: object) -> bool:
-    return isinstance(color, str) and re.fullmatch(r"#[0-9a-fA-F]{6}", color) is not None
+    def _check_shape(self) -> None:
+        shape = SHAPES[self.kind]
+        axes = ("x", "y", "z")[: shape.dimension]
+        center = numbers("center", self.center, axes, self.kind)
+        size = numbers("size", self.size, shape.sizes, self.kind)
+        if min(size) <= 0:
+            raise SceneError(f"size: {list(size)} must be positive [m]")
+        if min(size) < SMALLEST_SIZE:
+            raise SceneError(f"size: {list(size)} must be at least {SMALLEST_SIZE:g} m")
+        angle = self.angle
+        if type(angle) not in (int, float) or not abs(angle) <= LARGEST_ANGLE:
+            raise SceneError(f"angle: {angle!r} must be degrees, at most {LARGEST_ANGLE:g}")
+        self._set(center=center, size=size, angle=float(angle))
+
+    def _check_points(self) -> None:
+        if not isinstance(self.points, list | tuple):
+            raise SceneError(f"points: {self.points!r} is not a list of corners (x, y)")
+        given = self.points[: polygons.MOST_CORNERS + 2]
+        points = [numbers("points", point, ("x", "y"), "corner") for point in given]
+        if len(points) > 3 and points[0] == points[-1]:  # closed, as maps have it
+            points = points[:-1]
+        if flaw := polygons.flaw(points):  # pyright: ignore[reportArgumentType]
+            raise SceneError(f"points: {flaw}")
+        ends = np.array([np.min(points, axis=0), np.max(points, axis=0)])
+        z: tuple[float, ...] = ()
+        if self.kind == "prism":
+            z = numbers("z", self.z, ("low", "high"), self.kind)
+            if not z[1] - z[0] >= 2 * SMALLEST_SIZE:
+                raise SceneError(f"z: {list(z)}: low must be below high")
+            ends = np.column_stack([ends, z])
+        self._set(points=tuple(points), z=z)
+        self._derive(*ends)
+
+    def _check_parts(self) -> None:
+        parts = self.parts
+        if not isinstance(parts, list | tuple) or not 1 <= len(parts) <= MOST_PARTS:
+            raise SceneError(f"parts: a union has from 1 to {MOST_PARTS}")
+        for number, part in enumerate(parts):
+            if part.kind in ("union", "point") or part.dimension != parts[0].dimension:
+                raise SceneError(
+                    f"parts[{number}]: a {part.kind} of dimension {part.dimension} cannot be part "
+                    f"of a union with a {parts[0].kind}"
+                )
+        low = np.min([part.center - part.half_extents for part in parts], axis=0)
+        high = np.max([part.center + part.half_extents for part in parts], axis=0)
+        self._set(parts=tuple(replace(part, name=self.name, color=None) for part in parts))
+        self._derive(low, high)
+
+    def _derive(self, low: np.ndarray, high: np.ndarray) -> None:
+        """Set centre and size to those of the box from low to high [d]."""
+        found = {"center": (low + high) / 2, "size": (high - low) / 2}
+        for field, values in found.items():
+            derived = tuple(values.tolist())
+            if getattr(self, field) not in ((), derived):
+                raise SceneError(f"{field}: that of a {self.kind} follows from its {self._given}")
+            self._set(**{field: derived})
+
+    @property
+    def _given(self) -> str:
+        return FIELDS[self.kind][0]
+
+    def _set(self, **fields: Any) -> None:
+        for field, value in fields.items():
+            object.__setattr__(self, field, value)
 
 
-def _numbers(field: str, values: object, names: tuple[str, ...], kind: str) -> tuple[float, ...]:
-    """Check that there is one finite number per name and return them as floats."""
-    expected = f"a {kind} needs ({', '.join(names)}) in [m]"
-    if not isinstance(values, list | tuple):
-        raise SceneError(f"{field}: {values!r} is not a list of numbers; {expected}")
-    if len(values) != len(names):
-        raise SceneError(f"{field}: {list(values)} has {len(values)} numbers; {expected}")
-    for value in values:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise SceneError(f"{field}: {value!r} is not a number; {expected}")
-        if not abs(value) <= LARGEST_COORDINATE:  # NaN compares false
-            given = repr(value) if isinstance(value, float) else "a number"
-            raise SceneError(
-                f"{field}: {given} must be finite and at most {LARGEST_COORDINATE:g} m"
-            )
-    return tuple(float(value) for value in values)
+def _point(center: object) -> tuple[float, ...]:
+    """The coordinates of a point of the plane or of space."""
+    axes = ("x", "y", "z")[: 3 if isinstance(center, list | tuple) and len(center) == 3 else 2]
+    return numbers("center", center, axes, "point")

@@ -9,12 +9,11 @@ The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's
     [initial]      kind, center, size                 # where episodes start
     [regions.A1]   kind, center, size, color?         # one table per region, in order
 
-`variant = "..."` beside them asks for another reading of the robot, one of its `variants`.
+`variant = "..."` beside them asks for another reading of the robot, one of its `variants`;
+`arena = [[low, high], ...]` for another arena than the robot's. docs/scene-files.md has it all.
 """
 
-import json
 import os
-import re
 import tempfile
 from collections.abc import Mapping
 from contextlib import suppress
@@ -27,8 +26,10 @@ import msgspec
 
 from core.documents import typed
 from core.errors import UserError, allowed
-from envs import ENVS, Robot, make_robot
+from envs import ENVS, Robot, Workspace, make_robot
+from scenes.arena import Arena, checked, fitted, round_scale, scale_of
 from scenes.regions import Region, SceneError
+from scenes.tables import key, quoted, quoted_lines, region_from, region_lines
 from scenes.toml import LARGEST_FILE, read_toml
 
 FORMAT = 1
@@ -40,15 +41,6 @@ DEMO = "-demo"
 LONGEST_FORMULA = 10_000  # characters, as in the parser
 LARGEST_HORIZON = 10_000  # steps
 LARGEST_SEED = 2**31 - 1
-
-
-class _RegionTable(msgspec.Struct, forbid_unknown_fields=True):
-    """A table [regions.NAME] or [initial]; what its values may be is `Region`'s to say."""
-
-    kind: str
-    center: list[float]
-    size: list[float]
-    color: str | None = None
 
 
 class _SceneTable(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -64,7 +56,10 @@ class _SceneTable(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     formula: str
     initial: Any
     regions: dict[str, Any] = {}
-    """A `_RegionTable` each, as `initial`; read one by one, so that errors can name them."""
+    """A table each, as `initial`; read one by one, so that errors can name them."""
+    arena: Any = None
+    workspace: Any = None
+    """What people also call it; only one of the two may be given."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +76,7 @@ class Scene:
         regions: In drawing order, names unique.
         initial: The set of initial positions (its name is not an atom).
         variant: One of the robot's `variants`, empty for the standard robot.
+        arena: (low, high) of each axis in [m]; None for the robot's own.
     """
 
     name: str
@@ -92,6 +88,7 @@ class Scene:
     regions: tuple[Region, ...]
     initial: Region
     variant: str = ""
+    arena: Arena | None = None
 
     def __post_init__(self):
         for field, longest in (("name", 80), ("title", 200), ("formula", LONGEST_FORMULA)):
@@ -102,6 +99,8 @@ class Scene:
             raise SceneError(str(error)) from error
         _check_integer("horizon", self.horizon, 1, LARGEST_HORIZON)
         _check_integer("seed", self.seed, 0, LARGEST_SEED)
+        if self.arena is not None:
+            object.__setattr__(self, "arena", checked(self.arena, robot_of(self)))
         self._check_regions()
 
     def _check_regions(self) -> None:
@@ -110,6 +109,11 @@ class Scene:
             if region.name in seen:
                 raise SceneError(f"regions.{region.name}: this name is given twice")
             seen.add(region.name)
+            if region.kind == "point":
+                raise SceneError(
+                    f"regions.{region.name}: a point can only be the initial set; a region needs "
+                    "an inside, such as that of a small circle or sphere"
+                )
         fields = {f"regions.{region.name}": region for region in self.regions}
         for field, region in ({"initial": self.initial} | fields).items():
             if region.dimension != self.dimension:
@@ -132,6 +136,22 @@ class Scene:
 def robot_of(scene: Scene) -> Robot:
     """The robot of a scene, in its variant."""
     return make_robot(scene.robot, scene.variant)
+
+
+def workspace_of(scene: Scene) -> Workspace:
+    """The robot's workspace, in the scene's arena."""
+    workspace = robot_of(scene).workspace
+    return workspace if scene.arena is None else fitted(workspace, scene.arena)
+
+
+def unit_of(scene: Scene) -> float:
+    """The length [m] that counts as one where a scene is drawn: the robot's, in its arena.
+
+    In another arena it is multiplied by 1, 2 or 5 times a power of ten, so that a grid of it is
+    one of round numbers.
+    """
+    robot = robot_of(scene)
+    return robot.length * round_scale(scale_of(robot.workspace, workspace_of(scene).arena))
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:
@@ -203,14 +223,16 @@ def format_scene(scene: Scene) -> str:
     """
     lines = [f"format = {FORMAT}"]
     for field in ("name", "title", "robot"):
-        lines.append(f"{field} = {_quoted(getattr(scene, field))}")
+        lines.append(f"{field} = {quoted(getattr(scene, field))}")
     if scene.variant:
-        lines.append(f"variant = {_quoted(scene.variant)}")
+        lines.append(f"variant = {quoted(scene.variant)}")
     lines += [f"horizon = {scene.horizon}", f"seed = {scene.seed}"]
-    lines += [f"formula = {_quoted_lines(scene.formula)}", "", "[initial]"]
-    lines += _region_lines(scene.initial)
+    if scene.arena is not None:
+        lines.append(f"arena = {[list(pair) for pair in scene.arena]}")
+    lines += [f"formula = {quoted_lines(scene.formula)}", "", "[initial]"]
+    lines += region_lines(scene.initial)
     for region in scene.regions:
-        lines += ["", f"[regions.{_key(region.name)}]", *_region_lines(region)]
+        lines += ["", f"[regions.{key(region.name)}]", *region_lines(region)]
     return "\n".join(lines) + "\n"
 
 
@@ -239,23 +261,22 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
         horizon=read.horizon,
         seed=read.seed,
         regions=tuple(
-            _region_from(name, read.regions[name], f"regions.{name}") for name in read.regions
+            region_from(name, read.regions[name], f"regions.{name}") for name in read.regions
         ),
-        initial=_region_from("initial", read.initial, "initial"),
+        initial=region_from("initial", read.initial, "initial"),
         variant=read.variant,
+        arena=_arena_from(read),
     )
 
 
-def _region_from(name: str, table: Any, field: str) -> Region:
-    if not isinstance(table, dict):
-        raise SceneError(
-            f"{field}: must be a table with {', '.join(_RegionTable.__struct_fields__)}"
-        )
-    read = typed(table, _RegionTable, f"{field}.")
-    try:
-        return Region(name, read.kind, tuple(read.center), tuple(read.size), read.color)
-    except SceneError as error:
-        raise SceneError(f"{field}.{error}") from error
+def _arena_from(read: _SceneTable) -> Any:
+    """Pairs (low, high), also from a flat list of them; `Scene` says what they may be."""
+    if read.arena is not None and read.workspace is not None:
+        raise SceneError("workspace: another word for arena, which is given too")
+    given = read.workspace if read.arena is None else read.arena
+    if isinstance(given, list) and given and not any(isinstance(each, list) for each in given):
+        return [given[i : i + 2] for i in range(0, len(given), 2)]
+    return given
 
 
 def _check_text(field: str, value: object, longest: int) -> None:
@@ -268,29 +289,3 @@ def _check_text(field: str, value: object, longest: int) -> None:
 def _check_integer(field: str, value: object, low: int, high: int) -> None:
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise SceneError(f"{field}: {value!r} must be an integer from {low} to {high}")
-
-
-def _region_lines(region: Region) -> list[str]:
-    lines = [f"kind = {_quoted(region.kind)}"]
-    for field in ("center", "size"):
-        values = ", ".join(repr(value) for value in getattr(region, field))
-        lines.append(f"{field} = [{values}]")
-    if region.color is not None:
-        lines.append(f"color = {_quoted(region.color)}")
-    return lines
-
-
-def _quoted(text: str) -> str:
-    """A TOML basic string; JSON's escapes are TOML's, but TOML also forbids a raw DEL."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _quoted_lines(text: str) -> str:
-    """A TOML string, multi-line if the text is."""
-    if "\n" not in text:
-        return _quoted(text)
-    return '"""\n' + "\n".join(_quoted(line)[1:-1] for line in text.split("\n")) + '\n"""'
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _quoted(name)

@@ -7,7 +7,7 @@ obstacles at the same time.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -16,10 +16,19 @@ import numpy as np
 
 from core.stl import Formula, robustness, to_text
 from envs import Workspace
+from scenes.arena import Arena, cells, fitted, holding, hull
 from scenes.fields import Grid, geodesic_field, interpolate
-from scenes.margins import RegionArrays, margins_and_gradients, region_arrays
-from scenes.regions import Region, SceneError
-from scenes.scene import Scene, robot_of
+from scenes.margins import PADDING_MARGIN, RegionArrays, margins_and_gradients, region_arrays
+from scenes.regions import SceneError
+from scenes.scene import Scene, robot_of, workspace_of
+from scenes.starts import Cells, cells_of, draw, round_axes
+
+
+class Frame(NamedTuple):
+    """Where the grid of a scene's own arena lies, so that another arena compiles nothing."""
+
+    origin: np.ndarray  # [d] of its first node [m]
+    per_metre: np.ndarray  # [] nodes in a metre
 
 
 class WorldArrays(NamedTuple):
@@ -30,6 +39,10 @@ class WorldArrays(NamedTuple):
     initial_low: np.ndarray  # [d] bounding box of the initial set [m]
     initial_high: np.ndarray  # [d]
     initial_round: np.ndarray  # [d] 1 for the axes in which it is a ball
+    frame: Frame | None = None
+    """None where the arena is the robot's: its numbers are constants of the programs then."""
+    start: Cells | None = None
+    """The initial set; None where the three fields above say it all."""
 
 
 @dataclass(frozen=True)
@@ -40,11 +53,46 @@ class GridWorld:
         grid: Nodes of the fields.
         clearance: Distance that planned paths keep from obstacles in [m].
         inset: Depth inside goals that planned paths aim for in [m].
+        arena: Where ways may lead: (low, high) of each axis in [m], if it is the scene's own; its
+            grid may reach further. None where it is the robot's.
     """
 
     grid: Grid
     clearance: float
     inset: float
+    arena: Arena | None = None
+
+    @property
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """Low and high corner [d] of where ways may lead, in [m]."""
+        if self.arena is not None:
+            low, high = np.array(self.arena, float).T
+            return low, high
+        low = np.asarray(self.grid.origin, float)
+        return low, low + self.grid.spacing * (np.asarray(self.grid.shape) - 1)
+
+    @property
+    def compiled(self) -> "GridWorld":
+        """What programs are compiled for: of a scene's own arena, only the number of nodes."""
+        if self.arena is None:
+            return self
+        grid = Grid((0.0,) * self.grid.dimension, 1.0, self.grid.shape)
+        return GridWorld(grid, clearance=0.0, inset=0.0)
+
+    @property
+    def frame(self) -> Frame | None:
+        """What `compiled` leaves out."""
+        if self.arena is None:
+            return None
+        origin, per_metre = np.array(self.grid.origin), np.array(1 / self.grid.spacing)
+        return Frame(origin.astype(np.float32), per_metre.astype(np.float32))
+
+    def beyond(self, positions: np.ndarray) -> np.ndarray:
+        """Whether positions [P, d] lie outside a scene's own arena [P], half a cell spared."""
+        if self.arena is None:
+            return np.zeros(len(positions), bool)
+        (low, high), slack = self.limits, self.grid.spacing / 2
+        return np.any((positions < low - slack) | (positions > high + slack), axis=1)
 
     def margins(self, data: WorldArrays, position: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Margins [A] of the regions in [m] and their gradients [A, d] at a position [d]."""
@@ -52,16 +100,20 @@ class GridWorld:
 
     def field(self, data: WorldArrays, index, position: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Distance [m] and unit direction [d] of travel in the index-th field."""
+        if data.frame is not None:
+            position = (position - data.frame.origin) * data.frame.per_metre
         value = interpolate(self.grid, data.fields, index, position)
         return value[0], value[1:]
 
     def sample_initial(self, data: WorldArrays, key: jax.Array) -> jax.Array:
         """A position [d] of the initial set, uniform.
 
-        Every kind of region is a ball of k axes times a box of the others: a circle or sphere
+        Without cells, a region is a ball of k axes times a box of the others: a circle or sphere
         has k = d, a cylinder k = 2, a rectangle or box k = 0. A ball's radius at a random point
         is its own times the k-th root of a uniform number.
         """
+        if data.start is not None:
+            return draw(data.start, key)
         box_key, angle_key, radius_key = jax.random.split(key, 3)
         low, high, is_round = data.initial_low, data.initial_high, data.initial_round
         dimension = self.grid.dimension
@@ -82,8 +134,18 @@ def make_world(workspace: Workspace) -> GridWorld:
 
 
 def world_of(scene: Scene) -> GridWorld:
-    """The world that a scene's robot moves in."""
-    return make_world(robot_of(scene).workspace)
+    """The world that a scene's robot moves in.
+
+    In a scene's own arena, ways are planned from starts outside it too.
+    """
+    own, arena = robot_of(scene).workspace, workspace_of(scene).arena
+    if arena == own.arena:
+        return make_world(own)
+    arena = hull(arena, (scene.initial,))
+    workspace = fitted(own, arena)
+    origin = tuple(low for low, _ in arena)
+    grid = Grid(origin, workspace.spacing, tuple((cells(own, arena) + 1).tolist()))
+    return GridWorld(grid, workspace.clearance, workspace.inset, arena)
 
 
 class GoalGeometry(NamedTuple):
@@ -96,29 +158,19 @@ class GoalGeometry(NamedTuple):
 
 
 def world_arrays(scene: Scene, capacity: int, fields: np.ndarray) -> WorldArrays:
-    """Data of a scene for `GridWorld`, with fields [F, *grid, 1 + d]."""
+    """Data of a scene for `GridWorld.compiled`, with fields [F, *grid, 1 + d]."""
     initial = scene.initial
     center = np.asarray(initial.center, np.float32)
-    half = np.resize(np.asarray(initial.size, np.float32), scene.dimension)
-    if initial.kind == "cylinder":
-        half = np.asarray([initial.size[0], initial.size[0], initial.size[1]], np.float32)
+    half = initial.half_extents.astype(np.float32)
     return WorldArrays(
         region_arrays(scene.regions, scene.dimension, capacity),
         fields,
         center - half,
         center + half,
-        _round_axes(initial),
+        round_axes(initial),
+        world_of(scene).frame,
+        cells_of(initial),
     )
-
-
-def _round_axes(region: Region) -> np.ndarray:
-    """[d] 1 for the axes in which a region is a ball, 0 for those in which it is a box."""
-    match region.kind:
-        case "circle" | "sphere":
-            return np.ones(region.dimension, np.float32)
-        case "cylinder":
-            return np.array([1.0, 1.0, 0.0], np.float32)
-    return np.zeros(region.dimension, np.float32)
 
 
 def goal_geometry(
@@ -145,27 +197,30 @@ def goal_geometry(
     """
     grid = world.grid
     nodes = grid.nodes()
-    atoms = _node_margins(grid, region_arrays(scene.regions, scene.dimension, 32))
+    arrays = region_arrays(scene.regions, scene.dimension, 32)
+    atoms = np.asarray(_margins_at(arrays, jnp.asarray(nodes, jnp.float32)))
     atoms = atoms[:, : len(scene.regions)]
+    beyond = world.beyond(nodes)
 
     def value(formula: Formula) -> np.ndarray:
         return robustness(formula, atoms[:, None, :], scene.region_names)
 
-    goal_margin = [value(goal) for goal in goals]
+    goal_margin = [np.where(beyond, PADDING_MARGIN, value(goal)) for goal in goals]
     obstacle_margin = {o: value(o) for combination in obstacles for o in combination}
     blocked = [
-        _blocked([obstacle_margin[o] for o in group], len(nodes), world.clearance)
+        beyond | _blocked([obstacle_margin[o] for o in group], len(nodes), world.clearance)
         for group in obstacles
     ]
     fields = np.stack(
         [[_field(world, margin, ~(margin > 0) & b) for b in blocked] for margin in goal_margin]
     )
     random = np.random.default_rng(scene.seed)
+    low, high = world.limits
     for i, (goal, margin) in enumerate(zip(goals, goal_margin, strict=True)):
         if margin.max() < -grid.spacing and not (spared and spared[i]):
             raise SceneError(
                 f"{scene.name}: no position in the workspace satisfies {to_text(goal)}; the "
-                f"arena extends from {nodes.min(0).tolist()} to {nodes.max(0).tolist()} m"
+                f"arena extends from {low.tolist()} to {high.tolist()} m{_wider(scene)}"
             )
     points = [_sample_inside(nodes, m, blocked[0], samples, random) for m in goal_margin]
     center = [nodes[m.argmax()] for m in goal_margin]
@@ -173,14 +228,17 @@ def goal_geometry(
     return GoalGeometry(fields, np.stack(points), np.stack(center), legs)
 
 
-@cache
-def _margins_at_nodes(grid: Grid):
-    nodes = jnp.asarray(grid.nodes(), jnp.float32)
-    return jax.jit(lambda arrays: jax.vmap(partial(margins_and_gradients, arrays))(nodes)[0])
+def _wider(scene: Scene) -> str:
+    """What to write so that all regions lie in the arena; nothing where that does not help."""
+    everywhere = (*scene.regions, scene.initial)
+    wider = holding(workspace_of(scene).arena, everywhere, robot_of(scene))
+    pairs = [] if wider is None else [list(pair) for pair in wider]
+    return f"; a scene with `arena = {pairs}` holds all its regions" if pairs else ""
 
 
-def _node_margins(grid: Grid, arrays: RegionArrays) -> np.ndarray:
-    return np.asarray(_margins_at_nodes(grid)(arrays))
+@jax.jit
+def _margins_at(arrays: RegionArrays, positions: jax.Array) -> jax.Array:
+    return jax.vmap(partial(margins_and_gradients, arrays))(positions)[0]
 
 
 def _blocked(margins: list[np.ndarray], size: int, clearance: float) -> np.ndarray:

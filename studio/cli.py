@@ -53,6 +53,10 @@ def _run(action: str, options: Options) -> int:
         from studio.runs.exact import plan_exact  # noqa: PLC0415
 
         return plan_exact(options)
+    if action == "new":
+        from studio.runs.beginning import begin  # noqa: PLC0415
+
+        return begin(options)
     _use_cache(options)
     actions = {
         "evaluate": commands.evaluate,

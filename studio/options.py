@@ -31,8 +31,8 @@ Folder = Annotated[Path | None, _shown("DIR")]
 class Options:
     """Type a Signal Temporal Logic formula, train a policy in seconds, and watch it run.
 
-    Serves the page unless one of --plan, --exact, --train-only, --pretrain, --resume, --evaluate
-    and --list is given.
+    Serves the page unless one of --plan, --exact, --train-only, --pretrain, --resume, --evaluate,
+    --new, --explain and --list is given.
     """
 
     task: Annotated[str | None, _shown("NAME")] = None
@@ -69,7 +69,7 @@ class Options:
     randomize: Flag = False
     """Train on many perturbed layouts of the regions, for a policy that generalises to new ones."""
     out: Annotated[Path | None, _shown("DIR", "runs/TASK-METHOD-SEED, numbered")] = None
-    """Run directory; with --exact, a JSON file for the plan."""
+    """Run directory; with --exact, a JSON file for the plan; with --new, the scene file."""
 
     force: Flag = False
     """Train or plan although it is proved that no behaviour can satisfy the formula."""
@@ -82,6 +82,8 @@ class Options:
     """Prove how robust a plan from the centre of the initial set can be at most, and find one."""
     explain: Flag = False
     """Print how the formula is read: in English, and the tasks it decomposes into."""
+    new: Annotated[str | None, _shown("ROBOT")] = None
+    """Write a scene file to begin with: the robot, a start and a goal."""
     pretrain: Annotated[str | None, _shown("ROBOT")] = None
     """Train a robot's weights on random missions, for answers without training."""
 
@@ -114,6 +116,7 @@ MOST_STARTS = 10_000
 BUDGET = {"epochs", "time_limit", "target"}
 ALLOWED = {
     "list": {"list"},
+    "new": {"new", "out", "variant"},
     "explain": {"explain", "task", "scene", "formula", "variant"},
     "plan": TASK | {"plan", "force", "starts", "seed", "variant", "weights", "out"},
     "exact": {"exact", "task", "scene", "formula", "time_limit", "out"},

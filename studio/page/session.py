@@ -14,7 +14,7 @@ from queue import Empty, SimpleQueue
 
 from core.errors import UserError
 from core.methods.training import TrainingConfig
-from scenes import Scene, load_task
+from scenes import Scene, load_task, workspace_of
 from studio.page.analyst import Analyst
 from studio.page.editing.document import Document
 from studio.page.editing.editor import Editor
@@ -56,7 +56,9 @@ class Session:
         self.error = ""
         self.gallery = Gallery()
         self.relay = Relay(self.analyst, self.player, self.gallery)
-        self.hand = Hand(self.player, self.analyst)
+        self.hand = Hand(
+            self.player, self.analyst, lambda: workspace_of(self.specification.scene).arena
+        )
         self.highlighted: tuple[str, ...] = ()
         """Regions highlighted in the scene."""
         self.following = self.choosing_start = False

@@ -117,9 +117,12 @@ def _geometry(
 
 
 def initial_state(task: Task, start: tuple[float, ...] | None = None) -> Array:
-    """At rest at a position, by default the centre of the initial set [n]."""
+    """At rest at a position, by default in the middle of the initial set [n]."""
     data: Any = task.problem.data
-    position = (data.initial_low + data.initial_high) / 2 if start is None else start
+    middle = (data.initial_low + data.initial_high) / 2
+    if data.start is not None:
+        middle = data.start.middle
+    position = middle if start is None else start
     return _at_rest(jnp.asarray(position, jnp.float32), robot=task.robot)
 
 
@@ -152,7 +155,7 @@ def _problem(
     return to_device(
         Problem(
             robot,
-            world,
+            world.compiled,
             grounding.arrays,
             data,
             jnp.asarray(inside),

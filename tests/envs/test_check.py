@@ -43,6 +43,7 @@ VALUES: list[tuple[dict[str, Any], str]] = [
     ({"workspace": Workspace(ARENA, 4.0)}, "spacing is 4 m; it must be positive and leave at"),
     ({"workspace": Workspace(ARENA, 0.01)}, "makes a grid of 1,002,001 nodes; at most 100,000"),
     ({"workspace": Workspace(ARENA, 0.1, clearance=3.0)}, "clearance is 3 m; it must be from 0"),
+    ({"workspace": Workspace(ARENA, 0.1, reach=((-4.0, 5.0), ARENA[1]))}, "must lie within reach"),
     ({"workspace": Workspace(ARENA, 0.1, inset=-0.1)}, "inset is -0.1 m; it must be from 0 to"),
     ({"tuning": Tuning(violation=1.0)}, "tuning: violation must be negative"),
     ({"tuning": Tuning(epochs=0)}, "tuning: epochs, model_epochs and evaluation_states must"),

@@ -152,3 +152,29 @@ def test_z3_agrees():
     assert [case.scene.name for case in found if case.possible and case.proved] == []
     assert 10 <= len(impossible) <= 30
     assert sum(case.proved for case in impossible) >= 0.9 * len(impossible)
+
+
+POINT = Region("initial", "point", (0.0, -2.0))
+
+
+def test_a_point_start_is_judged_like_a_small_set():
+    assert told("F_[0:50](A) & G_[0:50](!O)", POINT) == []
+    assert told("F_[0:5](A)", POINT) == [
+        "impossible: the start to A is at least 12 steps, 5 are left; F_[0:15](A) would do"
+    ]
+    (inside,) = told("G_[0:5](!O)", Region("initial", "point", (0.0, 0.0)))
+    assert inside.startswith("impossible: ") and "!O" in inside
+
+
+CORNERS = ((-1.2, -0.6), (1.2, -0.6), (1.2, 0.6), (-1.2, 0.6))
+
+
+@pytest.mark.parametrize("formula", ["F_[0:5](A)", "F_[0:50](O & A)", "G_[0:9](O)", "F_[0:50](I)"])
+def test_a_rectangle_is_judged_alike_as_a_polygon_and_turned(formula):
+    polygon = Region("O", "polygon", points=CORNERS)
+    turned = Region("O", "rectangle", (0.0, 0.0), (0.6, 1.2), angle=90.0)
+    union = Region("O", "union", parts=(polygon,))
+    for other in (polygon, turned, union):
+        regions = tuple(other if region.name == "O" else region for region in REGIONS)
+        found = findings_of(replace(scene(formula), regions=regions))
+        assert [str(finding) for finding in found] == told(formula)

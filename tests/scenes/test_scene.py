@@ -3,6 +3,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -20,6 +21,7 @@ from scenes import (
     save_scene,
     task_names,
 )
+from tests.scenes.outlines import planar, spatial
 
 TEXT = """
 format = 1
@@ -223,3 +225,43 @@ def test_a_variant_is_kept_and_checked():
             dataclasses.replace(scene, variant=variant)
     with pytest.raises(SceneError, match="of 'linear'. Allowed: none"):
         dataclasses.replace(load_task("linear-01"), variant="links")
+
+
+@pytest.mark.parametrize("robot", ["linear", "quadrotor"])
+def test_regions_of_every_kind_are_kept(robot):
+    scene, random = load_task(f"{robot}-demo"), np.random.default_rng(0)
+    regions = planar(random)
+    if scene.dimension == 3:
+        regions = [spatial(region, 0.5, 2.0) for region in regions]
+    named = tuple(dataclasses.replace(r, name=f"A{i}") for i, r in enumerate(regions))
+    for initial in (*regions, Region("initial", "point", (0.0, 1.0, 2.0)[: scene.dimension])):
+        start = dataclasses.replace(initial, name="initial")
+        whole = dataclasses.replace(scene, regions=named, initial=start, formula="true")
+        assert parse_scene(format_scene(whole), "here") == whole
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ('kind = "polygon"', "regions.A1.points: this field is missing"),
+        ('kind = "polygon"\npoints = [[0, 0], [1, "1"]]', "regions.A1.points[1][1]: '1' must be"),
+        ('kind = "polygon"\npoints = [[0, 0]]', "regions.A1.points: 1 corners; a polygon has from"),
+        ('kind = "polygon"\npoints = []\nsize = [1]', "regions.A1.size: a polygon is given by poi"),
+        ('kind = "point"\ncenter = [0, 0]', "regions.A1: a point can only be the initial set"),
+        ('kind = "union"\nparts = [3]', "regions.A1.parts[0]: must be a table"),
+        ('kind = "union"\nparts = [{ kind = "disc" }]', "regions.A1.parts[0].kind: unknown 'disc'"),
+        (
+            'kind = "union"\nparts = [{ kind = "circle", center = [0, 0] }]',
+            "regions.A1.parts[0].size: this field is missing",
+        ),
+        (
+            'kind = "circle"\ncenter = [0, 0]\nsize = [1]\nangle = 30',
+            "regions.A1.angle: a circle has none; it is given by center, size",
+        ),
+    ],
+)
+def test_flaws_of_other_kinds_are_reported_with_their_place(table, message):
+    plain = 'kind = "circle"\ncenter = [1.0, 2.0]\nsize = [0.6]'
+    with pytest.raises(SceneError) as caught:
+        parse_scene(TEXT.replace(plain, table), "here")
+    assert message in str(caught.value)

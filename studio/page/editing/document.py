@@ -8,17 +8,18 @@ import re
 from collections.abc import Sequence
 from dataclasses import replace
 
-from core.errors import UserError
+from core.errors import UserError, allowed
 from core.task.grounding import MAX_ATOMS
 from envs import ENVS
-from scenes import Region, Scene
-from scenes.regions import LONGEST_NAME, allowed
+from scenes import Region, Scene, unit_of
+from scenes.arena import Arena
+from scenes.checks import LONGEST_NAME
 from studio.page.editing.history import History
 from studio.page.editing.meaning import differences
 from studio.page.editing.renaming import rename_in_formula
 
 SHIFT = 0.4
-"""Offset of a duplicate from its original along x and y, in robot lengths."""
+"""Offset of a duplicate from its original along x and y, in units of the scene."""
 
 
 class EditError(UserError):
@@ -101,21 +102,25 @@ class Document:
         color: str | None = None,
     ) -> str:
         """Add a region under the first free name, A1, A2, ...; returns the name."""
+        region = Region("new", kind, tuple(center), tuple(size), color)
+        return self.add_shape(region, prefix)
+
+    def add_shape(self, shape: Region, prefix: str = "A") -> str:
+        """Add a region of a shape under the first free name; returns the name."""
         name = free_name(prefix, self.scene.region_names)
-        return self._add(f"add {name}", Region(name, kind, tuple(center), tuple(size), color))
+        return self._add(f"add {name}", replace(shape, name=name))
 
     def duplicate(self, name: str) -> str:
         """Add a copy of a region, slightly offset; returns its name."""
-        region, shift = self.region(name), SHIFT * ENVS[self.scene.robot].length
+        region, shift = self.region(name), SHIFT * unit_of(self.scene)
         copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.region_names)
         x, y, *rest = region.center
-        moved = replace(region, name=copy, center=(x + shift, y - shift, *rest))
+        moved = replace(region, name=copy).at((x + shift, y - shift, *rest))
         return self._add(f"duplicate {name}", moved)
 
     def move(self, name: str, center: Sequence[float], gesture: str | None = None) -> None:
         """Move a region's center [m]."""
-        region = replace(self.region(name), center=tuple(center))
-        self._change(f"move {name}", name, region, gesture)
+        self.put(name, self.region(name).at(center), "move", gesture)
 
     def resize(
         self,
@@ -127,13 +132,29 @@ class Document:
         """Change a region's size [m], and its center if a corner stays fixed."""
         region = self.region(name)
         center = region.center if center is None else tuple(center)
-        resized = replace(region, size=tuple(size), center=center)
-        self._change(f"resize {name}", name, resized, gesture)
+        self.put(name, region.sized(size).at(center), "resize", gesture)
 
     def reshape(self, name: str, kind: str, center: Sequence[float], size: Sequence[float]) -> None:
-        """Change the kind of a region."""
-        region = replace(self.region(name), kind=kind, center=tuple(center), size=tuple(size))
-        self._change(f"change {name}", name, region)
+        """Change the kind of a region to one that has a center and a size."""
+        region = Region(name, kind, tuple(center), tuple(size), self.region(name).color)
+        self.put(name, region, "change")
+
+    def put(self, name: str, shape: Region, verb: str, gesture: str | None = None) -> None:
+        """Give a region another shape; name and colour stay.
+
+        Args:
+            name: of the region; the empty one for the initial set.
+            shape: that it takes.
+            verb: what the step is called.
+            gesture: that the step is part of.
+        """
+        if name == "":
+            initial = replace(shape, name=self.scene.initial.name, color=self.scene.initial.color)
+            scene = replace(self.scene, initial=initial)
+            self._record("change the initial set", scene, gesture)
+            return
+        color = self.region(name).color
+        self._change(f"{verb} {name}", name, replace(shape, name=name, color=color), gesture)
 
     def recolor(self, name: str, color: str | None, gesture: str | None = None) -> None:
         """Change a region's colour, `#rrggbb`; None for the viewer's choice."""
@@ -175,13 +196,13 @@ class Document:
     ) -> None:
         """Change the initial set; values that are not given stay."""
         old = self.scene.initial
-        initial = replace(
-            old,
-            kind=kind or old.kind,
-            center=old.center if center is None else tuple(center),
-            size=old.size if size is None else tuple(size),
-        )
-        self._record("change the initial set", replace(self.scene, initial=initial), gesture)
+        center = old.center if center is None else tuple(center)
+        if kind is not None and kind != old.kind:
+            size = old.size if size is None else tuple(size)
+            initial = Region(old.name, kind, center, size)
+        else:
+            initial = (old if size is None else old.sized(size)).at(center)
+        self.put("", initial, "change", gesture)
 
     def set_formula(self, text: str, gesture: str | None = None) -> None:
         """Change the text of the formula, valid or not."""
@@ -194,6 +215,10 @@ class Document:
     def set_seed(self, seed: int, gesture: str | None = None) -> None:
         """Change the seed of the training."""
         self._record("change the seed", replace(self.scene, seed=seed), gesture)
+
+    def set_arena(self, arena: Arena | None, gesture: str | None = None) -> None:
+        """Change the arena, (low, high) of each axis [m]; None for the robot's own."""
+        self._record("change the arena", replace(self.scene, arena=arena), gesture)
 
     def set_title(self, title: str, gesture: str | None = None) -> None:
         """Change the line that describes the scene."""

@@ -1,20 +1,21 @@
 """Which edits of a scene make a trained policy stale.
 
 Training depends on the robot, the formula, the shapes of the regions that the formula names, the
-initial set and the length of an episode. It does not depend on titles, colours, regions that the
-formula does not name, the spelling of the formula, or the names of regions; the seed only decides
-which of many equally good trainings is run.
+initial set, the arena and the length of an episode. It does not depend on titles, colours, regions
+that the formula does not name, the spelling of the formula, or the names of regions; the seed only
+decides which of many equally good trainings is run.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from core.errors import UserError
 from core.stl import Atom, Formula, atom_names, children, horizon, quote_name, with_children
-from scenes import Region, Scene, scene_formula
+from scenes import Region, Scene, scene_formula, workspace_of
+from scenes.arena import Arena
 
-Shape = tuple[str, tuple[float, ...], tuple[float, ...]]
-"""Kind, center [m] and size [m] of a region."""
+Shape = Region
+"""A region without its name and colour."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Meaning:
         shapes: of the regions that the formula names, in the order of first appearance; of all
             regions, if it cannot be parsed.
         initial: shape of the initial set.
+        arena: where ways are planned, (low, high) of each axis [m].
         names: of the regions in `shapes`.
     """
 
@@ -36,6 +38,7 @@ class Meaning:
     steps: int
     shapes: tuple[Shape, ...]
     initial: Shape
+    arena: Arena
     names: tuple[str, ...] = field(compare=False)
 
 
@@ -52,7 +55,8 @@ def meaning(scene: Scene) -> Meaning:
         used, steps = atom_names(read), max(scene.horizon, horizon(read))
         formula = _numbered(read, {name: str(index) for index, name in enumerate(used)})
     found = tuple(shapes[name] for name in used)
-    return Meaning((scene.robot, scene.variant), formula, steps, found, _shape(scene.initial), used)
+    robot, arena = (scene.robot, scene.variant), workspace_of(scene).arena
+    return Meaning(robot, formula, steps, found, _shape(scene.initial), arena, used)
 
 
 def differences(trained: Scene, scene: Scene) -> tuple[str, ...]:
@@ -76,6 +80,8 @@ def differences(trained: Scene, scene: Scene) -> tuple[str, ...]:
         found += [f"region {quote_name(name)}" for name, old, new in pairs if old != new]
     if then.initial != now.initial:
         found.append("the initial set")
+    if then.arena != now.arena:
+        found.append("the arena")
     if then != now and not found:
         found.append("the regions")
     return tuple(found)
@@ -98,4 +104,4 @@ def _numbered(formula: Formula, numbers: dict[str, str]) -> Formula:
 
 
 def _shape(region: Region) -> Shape:
-    return region.kind, region.center, region.size
+    return replace(region, name="shape", color=None)

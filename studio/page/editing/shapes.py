@@ -5,10 +5,13 @@ is the length of the robot, so that shapes on a table are smaller than those in 
 """
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 from typing import NamedTuple
 
 from scenes import Region
+from scenes.polygons import flaw
 
 SMALLEST = 0.05
 """Smallest half extent or radius that the pointer can give a region, in units."""
@@ -68,13 +71,31 @@ def drawn(
     return Outline(center, size)
 
 
-def handles(region: Region) -> tuple[Position, ...]:
-    """Points by which the region can be resized.
+def cornered(kind: str, corners: Sequence[tuple[float, float]], unit: float) -> Region:
+    """A polygon, or a prism that stands on the floor, of corners that were clicked.
 
-    Corners of a rectangle; in all other cases points on the axes, low and high on x, then on y,
-    then on z: of a circle or sphere, the middles of a box's faces, a cylinder's rim and its ends.
+    Raises:
+        UserError: too few corners, or the polygon crosses itself.
+    """
+    z = (0.0, 2 * HALF_HEIGHT * unit) if kind == "prism" else ()
+    return Region("new", kind, points=tuple(corners), z=z)
+
+
+def handles(region: Region) -> tuple[Position, ...]:
+    """Points by which the region can be changed.
+
+    Corners of a rectangle or polygon; in all other cases points on the axes, low and high on x,
+    then on y, then on z: of a circle or sphere, the middles of a box's faces and of those around a
+    prism, a cylinder's rim and its ends. A point and a union have none.
     """
     center, size = region.center, region.size
+    if region.kind in ("point", "union"):
+        return ()
+    if region.kind == "polygon":
+        return region.points
+    if region.angle:
+        flat = handles(replace(region, angle=0.0))
+        return tuple(_turned(region, point, 1) for point in flat)
     if region.kind == "rectangle":
         corners = product(*((-half, half) for half in size))
         return tuple(_plus(center, corner) for corner in corners)
@@ -84,6 +105,25 @@ def handles(region: Region) -> tuple[Position, ...]:
 def axis_of(handle: int) -> int:
     """Axis along which a handle of a region in space is dragged: 0, 1 or 2."""
     return handle // 2
+
+
+def reshaped(
+    region: Region, handle: int, position: Position, step: float = 0.0, unit: float = 1.0
+) -> Region:
+    """The region after one of its `handles` was dragged to a position; see `resized`.
+
+    A corner of a polygon goes where the pointer is, unless the polygon would cross itself.
+    """
+    if region.kind == "polygon":
+        return _with_corner(region, handle, snap(position[:2], step))
+    if region.angle:
+        flat = replace(region, angle=0.0)
+        outline = resized(flat, handle, _turned(region, position, -1), step, unit)
+        center = _turned(region, outline.center, 1)
+    else:
+        outline = resized(region, handle, position, step, unit)
+        center = outline.center
+    return region.sized(outline.size).at(center)
 
 
 def resized(
@@ -109,8 +149,8 @@ def resized(
         spans = [_span(*axis, smallest) for axis in axes]
         return Outline(tuple(span[0] for span in spans), tuple(span[1] for span in spans))
     axis = axis_of(handle)
-    if region.kind == "box" or (region.kind == "cylinder" and axis == 2):
-        entry = axis if region.kind == "box" else 1
+    if region.kind in ("box", "prism") or (region.kind == "cylinder" and axis == 2):
+        entry = 1 if region.kind == "cylinder" else axis
         middle, half = _span(center[axis], size[entry], grabbed[axis], position[axis], smallest)
         return Outline(_with(center, axis, middle), _with(size, entry, half))
     flat = 2 if region.kind == "cylinder" else len(center)
@@ -120,12 +160,21 @@ def resized(
 
 def half_extents(region: Region) -> Position:
     """Half extents along the axes [d]."""
-    match region.kind:
-        case "rectangle" | "box":
-            return region.size
-        case "cylinder":
-            return region.size[0], region.size[0], region.size[1]
-    return (region.size[0],) * region.dimension
+    return tuple(float(half) for half in region.half_extents)
+
+
+def _with_corner(region: Region, index: int, corner: Position) -> Region:
+    moved = (corner[0], corner[1])
+    points = (*region.points[:index], moved, *region.points[index + 1 :])
+    return region if flaw(points) else Region(region.name, region.kind, points=points)
+
+
+def _turned(region: Region, point: Position, sense: int) -> Position:
+    """A point turned about a region's centre by its angle, or back."""
+    cosine, sine = region.turn[0], sense * region.turn[1]
+    x, y = point[0] - region.center[0], point[1] - region.center[1]
+    turned = cosine * x - sine * y, sine * x + cosine * y
+    return (region.center[0] + turned[0], region.center[1] + turned[1], *point[2:])
 
 
 def _with(values: Position, index: int, value: float) -> Position:

@@ -5,7 +5,7 @@ from functools import partial
 import viser
 
 from scenes import Region
-from studio.page.editing.editor import INITIAL, SELECT, TOOLS
+from studio.page.editing.editor import CLICKED, INITIAL, SELECT, TOOLS
 from studio.page.figures.svg import escape
 from studio.page.panels.html import Html
 from studio.page.panels.region_fields import RegionFields
@@ -15,7 +15,8 @@ from studio.page.views.regions import region_look
 from studio.page.views.roles import roles
 
 ICONS = {SELECT: "↖", "rectangle": "▭", "circle": "◯", "box": "▭", "sphere": "◯", "cylinder": "▯"}
-ACTIONS = ("undo", "redo", "duplicate", "delete", "start", "deselect")
+ICONS |= {"polygon": "⬠", "prism": "⬠"}
+ACTIONS = ("undo", "redo", "duplicate", "delete", "start", "deselect", "close")
 
 
 class RegionsPanel:
@@ -63,6 +64,10 @@ class RegionsPanel:
         return "".join([*chips, start])
 
     def _actions(self, session: Session) -> str:
+        if session.editor.corners:
+            return self._button(
+                "close", "Close the polygon", title="Join the last corner to the first"
+            )
         if not session.editor.selection:
             return ""
         return "".join(
@@ -110,6 +115,7 @@ def press(session: Session, value: str) -> None:
             "delete": editor.delete,
             "start": editor.make_initial,
             "deselect": partial(editor.select, None),
+            "close": editor.close,
         }
         acts[word]()
 
@@ -123,6 +129,11 @@ def _hint(session: Session) -> str:
     editor = session.editor
     if editor.preview is not None:
         return escape(_extent(editor.preview))
+    if editor.tool in CLICKED:
+        return (
+            f"Click on the floor at each corner of the {escape(editor.tool)}; the first one again "
+            "closes it. Esc takes the last corner away."
+        )
     if editor.tool != SELECT:
         return f"Drag on the floor to draw a {escape(editor.tool)}. Esc puts the tool away."
     if editor.selected is not None:
@@ -132,7 +143,7 @@ def _hint(session: Session) -> str:
 
 
 def _extent(region: Region) -> str:
-    if len(region.size) == 1:
+    if region.kind in ("circle", "sphere"):
         return f"{region.kind}, radius {region.size[0]:.2f} m"
     extent = " × ".join(f"{2 * value:.2f}" for value in region.size)
     return f"{region.kind}, {extent} m"

@@ -1,12 +1,13 @@
 """A hand that takes the robot from where it plays and puts it somewhere else."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
 
 from core.task.moving import move_robot
-from envs import Robot
+from scenes.arena import Arena
 from studio.page.analyst import Analyst
 from studio.page.asking import Move
 from studio.page.editing.editor import Phase, Point
@@ -37,8 +38,8 @@ class Held:
 class Hand:
     """Moves the robot of the rollout on screen; read `held`."""
 
-    def __init__(self, player: Player, analyst: Analyst) -> None:
-        self._player, self._analyst = player, analyst
+    def __init__(self, player: Player, analyst: Analyst, arena: Callable[[], Arena]) -> None:
+        self._player, self._analyst, self._arena = player, analyst, arena
         self.held: Held | None = None
 
     def can_take(self) -> bool:
@@ -58,7 +59,7 @@ class Hand:
         if held is None or held.released or held.recording is not self._player.recording:
             self.held = None
             return
-        self.held = held = _carried(held, np.asarray(end) - held.grabbed)
+        self.held = held = _carried(held, np.asarray(end) - held.grabbed, self._arena())
         if phase != "end":
             return
         far = LEAST * held.recording.task.robot.length
@@ -100,10 +101,10 @@ class Hand:
         )
 
 
-def _carried(held: Held, offset: np.ndarray) -> Held:
-    """The robot, carried from where it was taken, within its workspace."""
-    robot: Robot = held.recording.task.robot  # pyright: ignore[reportAssignmentType]
-    low, high = np.array(robot.workspace.arena).T
+def _carried(held: Held, offset: np.ndarray, arena: Arena) -> Held:
+    """The robot, carried from where it was taken, within the arena."""
+    robot = held.recording.task.robot
+    low, high = np.array(arena).T
     size = robot.position_size
     wanted = np.clip((held.origin + offset)[:size], low, high).astype(np.float32)
     before = jnp.asarray(held.recording.states[held.step], jnp.float32)

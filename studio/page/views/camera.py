@@ -5,25 +5,27 @@ from typing import Any
 import viser
 
 from envs import Robot
-from scenes import robot_of
+from scenes import robot_of, workspace_of
+from scenes.arena import Arena
 from studio.page.session import Session
-from studio.page.views.bodies import Camera, body_of
+from studio.page.views.bodies import Camera, stage_of
 
 
 class CameraView:
-    """Frames the workspace when the robot changes; otherwise the client controls the camera."""
+    """Frames the arena when robot or arena change; otherwise the client controls the camera."""
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._server = server
-        self._robot: Robot | None = None
+        self._framed: tuple[Robot, Arena] | None = None
 
     def draw(self, session: Session) -> None:
-        """Follow the robot."""
-        robot = robot_of(session.document.scene)
-        if robot == self._robot:
+        """Follow the robot and its arena."""
+        scene = session.document.scene
+        framed = robot_of(scene), workspace_of(scene).arena
+        if framed == self._framed:
             return
-        first, self._robot = self._robot is None, robot
-        camera = body_of(robot).stage.camera
+        first, self._framed = self._framed is None, framed
+        camera = stage_of(scene).camera
         _aim(self._server.initial_camera, camera)
         for client in () if first else self._server.get_clients().values():
             with client.atomic():

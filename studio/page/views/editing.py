@@ -20,6 +20,7 @@ from studio.page.views.outlines import outline
 from studio.page.views.pointer import on_axis_drag, on_level_drag
 from studio.page.views.regions import HEIGHT
 from studio.page.views.roles import Role, roles
+from studio.page.views.solids import seen
 from studio.theme import BRAND
 
 ABOVE = 0.04
@@ -46,6 +47,7 @@ class EditingView:
         self._scene, self._server = server.scene, server
         self._selected: tuple[Region | None, Decomposition | None] | None = None
         self._preview: Region | None = None
+        self._corners: tuple[tuple[float, float], ...] = ()
         self._kinds: tuple = ()
         self._grips: list[viser.SceneNodeHandle] = []
 
@@ -57,23 +59,46 @@ class EditingView:
             self._selected = selected
             with self._server.atomic():
                 self._show_selected(session, editor.selected)
+        if editor.corners != self._corners:
+            self._corners = editor.corners
+            self._show_corners(editor.corners, editor.unit)
         if editor.preview is not self._preview:
             self._preview = editor.preview
             self._line("/edit/preview", editor.preview, ABOVE, PREVIEW, 3.0)
 
+    def _show_corners(self, corners: tuple[tuple[float, float], ...], unit: float) -> None:
+        """A ring at each corner that was clicked, and the way from one to the next."""
+        if not corners:
+            self._scene.remove_by_name("/edit/corners")
+            return
+        rings = [outline(Region("corner", "circle", at, (HANDLE * unit,)), ABOVE) for at in corners]
+        way = np.column_stack([np.array(corners), np.full(len(corners), ABOVE)])
+        self._scene.add_line_segments(
+            "/edit/corners",
+            np.concatenate([*rings, np.stack([way[:-1], way[1:]], 1)]).astype(np.float32),
+            PREVIEW,
+            thickness=3.0,
+            thickness_units="screen",
+        )
+
     def _show_selected(self, session: Session, region: Region | None) -> None:
         height = ABOVE + _body_height(session)
-        self._line("/edit/outline", region, height, BRAND, 4.0)
         unit = session.editor.unit
+        surrounded = None if region is None else seen(region, unit)
+        self._line("/edit/outline", surrounded, height, BRAND, 4.0)
         shown = [] if region is None else grips(region, height, unit)
-        kinds = (unit, region is not None and region.dimension, [grip.arrow for grip in shown])
+        turned = region is not None and region.angle != 0
+        planar = region is None or region.dimension == 2
+        kinds = (unit, planar, turned, [grip.arrow for grip in shown])
         if kinds != self._kinds:
             self._kinds = kinds
-            self._make_grips(session, shown, planar=region is None or region.dimension == 2)
+            self._make_grips(session, shown, planar=planar, turned=turned)
         for node, grip in zip(self._grips, shown, strict=True):
             node.position = grip.position
 
-    def _make_grips(self, session: Session, wanted: Sequence[Grip], *, planar: bool) -> None:
+    def _make_grips(
+        self, session: Session, wanted: Sequence[Grip], *, planar: bool, turned: bool
+    ) -> None:
         for node in self._grips:
             node.remove()
         self._grips = []
@@ -90,7 +115,7 @@ class EditingView:
                     cast_shadow=False,
                 )
                 drag = partial(_resize, session, index)
-                if planar:
+                if planar or (turned and axis_of(index) < 2):
                     on_level_drag(node, drag)
                 else:
                     on_axis_drag(node, drag, axis_of(index))

@@ -2,14 +2,13 @@
 
 from functools import partial
 
+import numpy as np
 import viser
 
-from envs import Robot
-from scenes import robot_of
-from studio.page.editing.editor import SELECT
+from studio.page.editing.editor import CLICKED, SELECT
 from studio.page.session import Session
-from studio.page.views.bodies import Stage, body_of
-from studio.page.views.pointer import Dragged, on_level_drag
+from studio.page.views.bodies import Stage, stage_of
+from studio.page.views.pointer import Dragged, level_point, on_level_drag
 
 RIM_WIDTH, RIM_HEIGHT = 0.16, 0.22  # [m]
 
@@ -22,16 +21,16 @@ class FloorView:
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene = server.scene
-        self._drawn: tuple[Robot, bool] | None = None
+        self._drawn: tuple[Stage, bool, bool] | None = None
 
     def draw(self, session: Session) -> None:
-        """Follow the robot's workspace and the tool."""
-        current = robot_of(session.document.scene), session.editor.tool != SELECT
+        """Follow the arena and the tool."""
+        tool = session.editor.tool
+        current = stage_of(session.document.scene), tool != SELECT, tool in CLICKED
         if current == self._drawn:
             return
         self._drawn = current
-        robot, drawing = current
-        stage = body_of(robot).stage
+        stage, drawing, clicked = current
         (left, right), (front, back) = stage.floor
         width, depth = right - left, back - front
         middle = ((left + right) / 2, (front + back) / 2)
@@ -46,6 +45,12 @@ class FloorView:
         on_level_drag(floor, draw, height=0.0, modifier="shift")
         if drawing:
             on_level_drag(floor, draw, height=0.0)
+        if clicked:
+
+            @floor.on_click
+            async def _(event: viser.SceneNodePointerEvent) -> None:
+                click_corner(session, event)
+
         self._add_rim(stage)
         # Not a child of the floor: the upright grid would pass its clicks on to the floor.
         self._scene.add_grid(
@@ -82,6 +87,14 @@ class FloorView:
                 (*size, RIM_HEIGHT),
                 position=(*place, RIM_HEIGHT / 2),
             )
+
+
+def click_corner(session: Session, event: viser.SceneNodePointerEvent) -> None:
+    """A click adds a corner to the polygon being drawn, where its ray meets the floor."""
+    if event.ray_origin is not None and event.ray_direction is not None:
+        origin = np.asarray(event.ray_origin, float)
+        point = level_point(origin, origin + np.asarray(event.ray_direction, float), 0.0)
+        session.post(partial(session.editor.corner, point))
 
 
 def drawing_drag(session: Session) -> Dragged:

@@ -3,15 +3,16 @@
 import numpy as np
 import viser
 
-from envs import ENVS
-from scenes import Region, Scene
+from scenes import Region, Scene, unit_of, workspace_of
+from scenes.starts import inner_point
 from studio.page.session import Session
 from studio.page.views.outlines import outline
+from studio.page.views.solids import seen
 from studio.page.views.walls import Limits, hall, wall_of
 
 EDGE, DROP = (206, 212, 218), (150, 158, 168)
 ABOVE = 0.01
-"""Height of footprints above the ground, in robot lengths."""
+"""Height of footprints above the ground, in units of the scene."""
 
 
 class FrameView:
@@ -24,7 +25,7 @@ class FrameView:
     def draw(self, session: Session) -> None:
         """Follow the regions."""
         scene = session.document.scene
-        current = scene.robot, scene.regions, scene.initial
+        current = scene.robot, scene.arena, scene.regions, scene.initial
         if current == self._drawn:
             return
         self._drawn = current
@@ -34,12 +35,11 @@ class FrameView:
                 self._show(scene)
 
     def _show(self, scene: Scene) -> None:
-        limits = ENVS[scene.robot].workspace.arena
+        limits = workspace_of(scene).arena
         inside = hall(scene.regions, limits)
-        ground = inside[2][0] + ABOVE * ENVS[scene.robot].length
-        floating = [
-            region for region in (*scene.regions, scene.initial) if wall_of(region, limits) is None
-        ]
+        ground = inside[2][0] + ABOVE * unit_of(scene)
+        drawn = (*scene.regions, seen(scene.initial, unit_of(scene)))
+        floating = [region for region in drawn if wall_of(region, limits) is None]
         drops = [drop(region, ground) for region in floating]
         self._line("edges", _edges(inside), EDGE)
         self._line("drops", np.concatenate(drops), DROP)
@@ -57,19 +57,25 @@ class FrameView:
 
 def drop(region: Region, ground: float) -> np.ndarray:
     """Segments [n, 2, 3]: footprint at a height [m] and the line to it; none if it stands there."""
-    x, y, z = region.center
-    bottom = z - region.size[-1]
+    if region.kind == "union":
+        return np.concatenate([drop(part, ground) for part in region.parts])
+    x, y, _ = inner_point(region)
+    bottom = region.center[2] - region.half_extents[2]
     if bottom <= ground:
         return np.zeros((0, 2, 3))
-    angular = region.kind == "box"
-    flat = Region(
-        region.name,
-        "rectangle" if angular else "circle",
-        (x, y),
-        region.size[:2] if angular else region.size[:1],
-    )
     way = np.array([[[x, y, bottom], [x, y, ground]]])
-    return np.concatenate([outline(flat, ground), way])
+    return np.concatenate([outline(_footprint(region), ground), way])
+
+
+def _footprint(region: Region) -> Region:
+    """What is below a region of space."""
+    name, flat = region.name, region.center[:2]
+    match region.kind:
+        case "prism":
+            return Region(name, "polygon", points=region.points)
+        case "box":
+            return Region(name, "rectangle", flat, region.size[:2], angle=region.angle)
+    return Region(name, "circle", flat, region.size[:1])
 
 
 def _edges(limits: Limits) -> np.ndarray:

@@ -51,6 +51,6 @@ class HighlightView:
             segments = outline(region, height).astype(np.float32)
             scene.add_line_segments(name, segments, BRIGHT, thickness=THICKNESS)
             return
-        size = tuple(GROWTH * length for length in region.size)
-        shell = Region(region.name, region.kind, region.center, size, region.color)
-        add_solid(scene, name, shell, BRIGHT, height, OPACITY)
+        for number, piece in enumerate(region.pieces):
+            shell = piece.sized(tuple(GROWTH * length for length in piece.size))
+            add_solid(scene, f"{name}/{number}", shell, BRIGHT, height, OPACITY)

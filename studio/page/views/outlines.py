@@ -12,6 +12,10 @@ SEGMENTS = 64
 
 def outline(region: Region, height: float) -> np.ndarray:
     """Segments [n, 2, 3] along the edges of a region; planar ones lie at a height [m]."""
+    if region.kind == "union":
+        return np.concatenate([outline(part, height) for part in region.parts])
+    if region.kind in ("polygon", "prism"):
+        return _walls(region, height)
     center = np.array([*region.center, height][:3])
     size = region.size
     match region.kind:
@@ -27,7 +31,21 @@ def outline(region: Region, height: float) -> np.ndarray:
         case _:
             ring, up = _circle(size[0]), np.array([0.0, 0.0, size[1]])
             segments = np.concatenate([ring + up, ring - up])
-    return segments + center
+    cosine, sine = region.turn
+    turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    return segments @ turn + center
+
+
+def _walls(region: Region, height: float) -> np.ndarray:
+    """Edges of a polygon; of a prism, those of its ends and between them."""
+    corners = np.array(region.points)
+
+    def ring(level: float) -> np.ndarray:
+        return np.column_stack([corners, np.full(len(corners), level)])
+
+    rings = [ring(level) for level in region.z or (height,)]
+    edges = [np.stack([each, np.roll(each, -1, axis=0)], 1) for each in rings]
+    return np.concatenate([*edges, np.stack(rings, 1)] if region.z else edges)
 
 
 def _edges(half: tuple[float, float, float]) -> np.ndarray:

@@ -4,13 +4,14 @@ from typing import NamedTuple
 
 import viser
 
-from scenes import Region
-from studio.page.editing.editor import INITIAL, SELECT, Phase, Point
+from scenes import Region, unit_of
+from scenes.starts import inner_point
+from studio.page.editing.editor import CLICKED, INITIAL, SELECT, Phase, Point
 from studio.page.session import Session
-from studio.page.views.floor import drawing_drag
+from studio.page.views.floor import click_corner, drawing_drag
 from studio.page.views.pointer import on_level_drag
 from studio.page.views.roles import Role, roles
-from studio.page.views.solids import Solid, add_solid, place_solid, rgb, top
+from studio.page.views.solids import Solid, add_solid, place_solid, rgb, seen, top
 from studio.page.views.walls import Face, add_face, wall_faces
 
 START = "#f6bd60"
@@ -44,7 +45,7 @@ class Shown(NamedTuple):
 
     look: Look
     region: Region
-    body: Solid | viser.MeshHandle
+    body: Solid
     label: viser.LabelHandle | None
 
 
@@ -74,7 +75,8 @@ class RegionsView:
             )
             for index, region in enumerate(scene.regions)
         }
-        wanted["/scene/initial"] = (initial_look(scene.initial), scene.initial)
+        initial = seen(scene.initial, unit_of(scene))
+        wanted["/scene/initial"] = (initial_look(initial), initial)
         with self._server.atomic():
             for node in [node for node in self._shown if node not in wanted]:
                 self._shown.pop(node).body.remove()
@@ -85,7 +87,7 @@ class RegionsView:
         shown = self._shown.get(node)
         if shown is not None and shown.look == look:
             if shown.region != region:
-                if not isinstance(shown.body, viser.MeshHandle):
+                if look.face is None:
                     place_solid(shown.body, region, look.height)
                 if shown.label is not None:
                     shown.label.position = _label_position(node, region, look.height)
@@ -141,14 +143,19 @@ def _listen(session: Session, body: Solid, target: str) -> None:
     if target != INITIAL:
 
         @body.on_click
-        async def _(_) -> None:
-            session.post(lambda: session.editor.select(target))
+        async def _(event: viser.SceneNodePointerEvent) -> None:
+            if session.editor.tool in CLICKED:
+                click_corner(session, event)
+            else:
+                session.post(lambda: session.editor.select(target))
 
 
 def _label_position(node: str, region: Region, height: float) -> tuple[float, float, float]:
     planar = node.endswith("initial") and region.dimension == 2
-    front = -region.size[min(1, len(region.size) - 1)] if planar else 0.0
-    return 0.0, front, top(region, height)
+    if planar:
+        return 0.0, -float(region.half_extents[1]), top(region, height)
+    x, y, *_ = inner_point(region) - region.center
+    return float(x), float(y), top(region, height)
 
 
 def _light(scene: viser.SceneApi) -> None:

@@ -6,9 +6,13 @@ import numpy as np
 import viser
 
 from scenes import Region
+from studio.page.views.meshes import mesh_of, turn_of
 
 Color = tuple[int, int, int]
-Solid = viser.BoxHandle | viser.CylinderHandle | viser.IcosphereHandle
+Solid = viser.BoxHandle | viser.CylinderHandle | viser.IcosphereHandle | viser.MeshHandle
+
+PIN = 0.1
+"""Radius at which a point is drawn, in units of the scene."""
 
 
 def add_solid(  # noqa: PLR0913
@@ -27,18 +31,42 @@ def add_solid(  # noqa: PLR0913
         return scene.add_cylinder(
             name, region.size[0], tall, color, radial_segments=64, position=at, **looks
         )
-    return scene.add_box(name, color, _extents(region, height), position=at, **looks)
+    if region.kind in ("polygon", "prism", "union"):
+        mesh = mesh_of(region, height)
+        return scene.add_mesh_simple(
+            name, *mesh, color=color, position=at, flat_shading=True, **looks
+        )
+    return scene.add_box(
+        name, color, _extents(region, height), position=at, wxyz=turn_of(region), **looks
+    )
 
 
 def place_solid(body: Solid, region: Region, height: float) -> None:
-    """Give a body its region's position and size."""
+    """Give a body its region's position, angle and size."""
     body.position = _position(region, height)
+    if isinstance(body, viser.MeshHandle):
+        body.vertices, body.faces = mesh_of(region, height)
+        return
     if isinstance(body, viser.BoxHandle):
         body.dimensions = _extents(region, height)
+        body.wxyz = turn_of(region)
         return
     body.radius = region.size[0]
     if isinstance(body, viser.CylinderHandle):
         body.height = 2 * top(region, height)
+
+
+def seen(region: Region, unit: float) -> Region:
+    """What is drawn of a region: of a point, something that can be seen and clicked.
+
+    Args:
+        region: of a scene.
+        unit: of the scene [m].
+    """
+    if region.kind != "point":
+        return region
+    kind = "circle" if region.dimension == 2 else "sphere"
+    return Region(region.name, kind, region.center, (PIN * unit,), region.color)
 
 
 def settle(node: viser.SceneNodeHandle) -> None:

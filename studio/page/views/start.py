@@ -2,16 +2,16 @@
 
 from functools import partial
 
-import jax.numpy as jnp
 import numpy as np
 import viser
 
 from core.errors import UserError
-from scenes import Region
-from scenes.margins import margins, region_arrays
+from scenes import Region, unit_of
+from scenes.distances import margin_of
+from scenes.starts import inner_point
 from studio.page.session import Session
 from studio.page.views.pointer import level_point
-from studio.page.views.solids import add_solid
+from studio.page.views.solids import add_solid, seen
 
 PAD, HEIGHT, OPACITY = (255, 183, 3), 0.06, 0.55
 
@@ -32,7 +32,8 @@ class StartView:
         self._server.scene.remove_by_name("/start")
         if region is None:
             return
-        pad = add_solid(self._server.scene, "/start", region, PAD, HEIGHT, OPACITY)
+        shown = seen(region, unit_of(session.specification.scene))
+        pad = add_solid(self._server.scene, "/start", shown, PAD, HEIGHT, OPACITY)
 
         @pad.on_click
         async def _(event: viser.SceneNodePointerEvent) -> None:
@@ -49,8 +50,9 @@ def start_at(session: Session, region: Region, origin: np.ndarray, direction: np
         UserError: the ray misses the initial set.
     """
     position = met(region, origin, direction)
-    inside = margins(region_arrays((region,), region.dimension, 1), jnp.asarray(position))
-    if float(inside[0]) < -1e-3:
+    if region.kind == "point":
+        position = region.center
+    if margin_of(region, np.array([position]))[0] < -1e-3:
         raise UserError("Rollouts must start in the initial set: click in the highlighted area.")
     session.choosing_start = False
     session.analyst.choose_start(position)
@@ -62,9 +64,9 @@ def start_at(session: Session, region: Region, origin: np.ndarray, direction: np
 
 
 def met(region: Region, origin: np.ndarray, direction: np.ndarray) -> tuple[float, ...]:
-    """Where a ray meets the floor; in 3D, its nearest point to the region's centre."""
+    """Where a ray meets the floor; in 3D, its nearest point to a region's middle."""
     if region.dimension == 2:
         return level_point(origin, origin + direction, 0.0)[:2]
     unit = direction / np.linalg.norm(direction)
-    near = origin + unit * float(unit @ (np.asarray(region.center) - origin))
+    near = origin + unit * float(unit @ (inner_point(region) - origin))
     return tuple(float(value) for value in near)

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import viser
 
-from envs import ENVS
-from scenes import Region, Scene
+from scenes import Region, Scene, workspace_of
 from studio.page.views.solids import settle
 
 PLASTER, OPACITY = (198, 206, 216), 0.3
@@ -44,7 +43,7 @@ def wall_faces(scene: Scene) -> dict[str, Face]:
     """Faces of a scene's walls by their regions' names; none in the plane."""
     if scene.dimension == 2:
         return {}
-    limits = ENVS[scene.robot].workspace.arena
+    limits = workspace_of(scene).arena
     inside = hall(scene.regions, limits)
     walls = {region.name: wall_of(region, limits) for region in scene.regions}
     return {name: Face(wall, inside) for name, wall in walls.items() if wall is not None}
@@ -80,7 +79,7 @@ def add_face(scene: viser.SceneApi, node: str, face: Face) -> viser.MeshHandle:
 
 def wall_of(region: Region, limits: Limits) -> Wall | None:
     """The side of the workspace that a box closes; None if it closes none."""
-    if region.kind != "box":
+    if region.kind != "box" or region.angle:
         return None
     ends = [(c - s, c + s) for c, s in zip(region.center, region.size, strict=True)]
     spans = [

@@ -33,6 +33,7 @@ class Arm:
         color=WOOD,
         grid=GRAIN,
         thickness=THICK,
+        fixed=True,
     )
 
     def __init__(self, robot: Panda) -> None:

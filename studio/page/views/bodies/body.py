@@ -4,7 +4,7 @@ The scene's z axis points up. A body gives the poses of its parts; views set the
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -53,6 +53,7 @@ class Stage:
         grid: colour of its lines.
         thickness: of the floor in [m].
         rim: colour of a low wall on the floor's edge; None for none.
+        fixed: whether the robot is mounted on it, so that it stays where it is in any arena.
     """
 
     floor: tuple[tuple[float, float], tuple[float, float]]
@@ -62,6 +63,7 @@ class Stage:
     grid: Color = GRID
     thickness: float = 0.1
     rim: Color | None = None
+    fixed: bool = False
 
 
 def plain_stage(arena: tuple[tuple[float, float], ...]) -> Stage:
@@ -77,6 +79,16 @@ def plain_stage(arena: tuple[tuple[float, float], ...]) -> Stage:
     top = arena[2][1] if len(arena) > 2 else 0.0
     camera = Camera((x, y - 13.0 * unit - top, 15.8 * unit + top), (x, y - 1.9 * unit, 0.0))
     return Stage(floor, camera, cell=float(10.0 ** np.floor(np.log10(2 * unit))))
+
+
+def fitted_stage(stage: Stage, arena: tuple[tuple[float, float], ...]) -> Stage:
+    """A robot's stage in another arena than its own; a table grows where the arena leaves it."""
+    if stage.fixed:
+        pairs = zip(stage.floor, arena, strict=False)
+        x, y = ((min(low, least), max(high, most)) for (low, high), (least, most) in pairs)
+        return replace(stage, floor=(x, y))
+    plain = plain_stage(arena)
+    return replace(stage, floor=plain.floor, camera=plain.camera, cell=plain.cell)
 
 
 class Body(Protocol):

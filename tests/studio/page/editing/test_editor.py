@@ -2,9 +2,11 @@ from dataclasses import replace
 
 import pytest
 
-from scenes import load_task
+from core.errors import UserError
+from scenes import Region, load_task
 from studio.page.editing.document import Document
 from studio.page.editing.editor import INITIAL, SELECT, Editor
+from studio.page.editing.shapes import handles
 
 
 @pytest.fixture
@@ -153,3 +155,51 @@ def test_a_region_is_added_in_the_middle(document, editor, kind):
     editor.add(kind)
     assert document.region("A4").kind == kind
     assert document.region("A4").center == (0.0, 0.0)
+
+
+def _click(editor, *points):
+    for point in points:
+        editor.corner((*point, 0.0))
+
+
+def test_a_polygon_is_drawn_by_its_corners(document, editor):
+    editor.take("polygon")
+    _click(editor, (0.02, 0), (2, 0), (2, 0), (2, 1), (1, 1.01))
+    assert editor.corners == ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0))
+    editor.cancel()
+    assert editor.corners == ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0))
+    _click(editor, (0.1, 0.1))  # the first corner again
+    region = document.region(editor.selection)
+    assert region.points == ((0.0, 0.0), (2.0, 0.0), (2.0, 1.0))
+    assert (editor.tool, editor.corners) == (SELECT, ())
+    document.undo()
+    assert region.name not in document.scene.region_names
+
+
+def test_a_polygon_that_crosses_itself_keeps_its_corners(document, editor):
+    editor.take("polygon")
+    _click(editor, (0, 0), (1, 1))
+    with pytest.raises(UserError, match="2 corners; a polygon has from 3"):
+        editor.close()
+    _click(editor, (1, 0), (0, 1))
+    with pytest.raises(UserError, match="touch or cross"):
+        editor.close()
+    assert len(editor.corners) == 4 and editor.tool == "polygon"
+    assert document.revision == 0
+
+
+def test_clicks_without_the_tool_draw_nothing(document, editor):
+    _click(editor, (0, 0), (1, 1))
+    editor.close()
+    assert (editor.corners, document.revision) == ((), 0)
+
+
+def test_corners_turn_with_their_rectangle(document, editor):
+    editor.select("A1")
+    document.put("A1", Region("A1", "rectangle", (0, 0), (2, 1), angle=90.0), "change")
+    corner = next(i for i, p in enumerate(handles(document.region("A1"))) if p[0] > 0 < p[1])
+    editor.step = 0.0
+    for phase in ("start", "update", "end"):
+        editor.resize(corner, phase, (1.5, 3.0))
+    region = document.region("A1")
+    assert (region.angle, handles(region)[corner]) == (90.0, pytest.approx((1.5, 3.0)))

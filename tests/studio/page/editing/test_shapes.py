@@ -1,11 +1,13 @@
 """Shapes that are drawn and resized by a drag."""
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from scenes import Region
 from studio.page.editing import shapes
+from tests.scenes.outlines import planar, spatial
 
 
 def test_snapping():
@@ -51,6 +53,33 @@ def test_a_dragged_handle_lands_where_the_pointer_is(data):
     # Whatever the pointer does, the region stays one.
     wild = shapes.resized(region, handle, data.draw(st.tuples(*[number] * dimension)), step=0.25)
     assert Region("A", kind, wild.center, wild.size)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_handles_of_other_kinds_follow_the_pointer(seed, dimension):
+    """Outwards by half: kind and angle stay, and of a polygon the other corners."""
+    for flat in planar(np.random.default_rng(seed)):
+        region = flat if dimension == 2 else spatial(flat, 0.0, 1.0)
+        points = shapes.handles(region)
+        assert (len(points) == 0) == (region.kind == "union")
+        for handle, point in enumerate(points):
+            same = shapes.reshaped(region, handle, point)
+            assert same.half_extents == pytest.approx(region.half_extents)
+            target = np.array(region.center) + 1.5 * (np.array(point) - region.center)
+            moved = shapes.reshaped(region, handle, tuple(target.tolist()))
+            assert (moved.kind, moved.angle) == (region.kind, region.angle)
+            if moved != region:  # a corner that would make a polygon cross itself stays
+                assert shapes.handles(moved)[handle] == pytest.approx(target, abs=1e-6)
+            if region.kind == "polygon":
+                others = zip(moved.points, region.points, strict=True)
+                assert sum(a != b for a, b in others) <= 1
+
+
+def test_a_polygon_never_crosses_itself():
+    square = Region("A", "polygon", points=((0, 0), (1, 0), (1, 1), (0, 1)))
+    assert shapes.reshaped(square, 0, (3.0, 0.5)) == square
+    assert shapes.reshaped(square, 0, (-1.0, 0.1), step=0.5).points[0] == (-1.0, 0.0)
 
 
 def test_corners_opposite_to_the_pointer_stay():

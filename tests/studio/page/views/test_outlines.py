@@ -3,8 +3,10 @@ import numpy as np
 import pytest
 
 from scenes import Region
+from scenes.distances import margin_of
 from scenes.margins import margins, region_arrays
 from studio.page.views.outlines import outline
+from tests.scenes.outlines import planar, spatial
 
 REGIONS = [
     Region("A", "rectangle", (1.0, 2.0), (0.5, 1.5)),
@@ -26,6 +28,18 @@ def test_an_outline_lies_on_the_boundary(region):
             assert point[2] == pytest.approx(0.1)
         margin = margins(arrays, jnp.asarray(point[: region.dimension]))
         assert float(margin[0]) == pytest.approx(0.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_outlines_of_other_kinds_lie_on_the_boundary_of_a_part(dimension):
+    regions = planar(np.random.default_rng(0))
+    for flat in regions:
+        region = flat if dimension == 2 else spatial(flat, 0.5, 2.0)
+        points = outline(region, 0.1).reshape(-1, 3)[:, :dimension]
+        parts = np.min([np.abs(margin_of(part, points)) for part in region.pieces], axis=0)
+        np.testing.assert_allclose(parts, 0.0, atol=1e-6)
+        np.testing.assert_allclose(points.min(0), region.center - region.half_extents, atol=0.01)
+        np.testing.assert_allclose(points.max(0), region.center + region.half_extents, atol=0.01)
 
 
 def test_planar_outlines_exactly():
