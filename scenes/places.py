@@ -33,7 +33,8 @@ def mission_of(scene: Scene, formula: Formula) -> Mission:
     radius = np.array([_radius(region) for region in regions])
     places = Places(names, center - half, center + half, radius, margin, tolerance)
     robot = robot_of(scene)
-    return Mission(formula, places, _starts(places), robot, robot.workspace.arena)
+    starts, arena = _starts(places), robot.workspace.arena
+    return Mission(formula, places, starts, robot, arena, scene.between_steps)
 
 
 def _radius(region: Region) -> float:

@@ -9,7 +9,8 @@ The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's
     [initial]      kind, center, size                 # where episodes start
     [regions.A1]   kind, center, size, color?         # one table per region, in order
 
-`variant = "..."` beside them asks for another reading of the robot, one of its `variants`.
+`variant = "..."` beside them asks for another reading of the robot, one of its `variants`;
+`between_steps = true` for invariants that hold between the steps, too (`core.between`).
 """
 
 import json
@@ -59,6 +60,7 @@ class _SceneTable(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     title: str
     robot: str
     variant: str = ""
+    between_steps: bool = False
     horizon: int
     seed: int
     formula: str
@@ -81,6 +83,7 @@ class Scene:
         regions: In drawing order, names unique.
         initial: The set of initial positions (its name is not an atom).
         variant: One of the robot's `variants`, empty for the standard robot.
+        between_steps: Whether invariants must hold between the steps, too.
     """
 
     name: str
@@ -92,6 +95,7 @@ class Scene:
     regions: tuple[Region, ...]
     initial: Region
     variant: str = ""
+    between_steps: bool = False
 
     def __post_init__(self):
         for field, longest in (("name", 80), ("title", 200), ("formula", LONGEST_FORMULA)):
@@ -206,6 +210,8 @@ def format_scene(scene: Scene) -> str:
         lines.append(f"{field} = {_quoted(getattr(scene, field))}")
     if scene.variant:
         lines.append(f"variant = {_quoted(scene.variant)}")
+    if scene.between_steps:
+        lines.append("between_steps = true")
     lines += [f"horizon = {scene.horizon}", f"seed = {scene.seed}"]
     lines += [f"formula = {_quoted_lines(scene.formula)}", "", "[initial]"]
     lines += _region_lines(scene.initial)
@@ -243,6 +249,7 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
         ),
         initial=_region_from("initial", read.initial, "initial"),
         variant=read.variant,
+        between_steps=read.between_steps,
     )
 
 

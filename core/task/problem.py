@@ -38,6 +38,10 @@ class Problem:
     """Geodesic distances [M, G, G] from one subgoal's region to another's [m]."""
     on_body: Array | None = None
     """[A] 1 for atoms that the whole body is held against; None: its position decides all."""
+    between: Array | None = None
+    """Parts [S] of a step that have gone by where constraints are looked at, too, each in (0, 1).
+
+    None where only steps count."""
 
 
 def to_device(problem: Problem) -> Problem:
@@ -62,6 +66,13 @@ def atom_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
     deepest = jnp.where(problem.on_body > 0, margins.argmax(0), 0)
     atom = jnp.arange(margin.shape[0])
     return margins[deepest, atom], gradients[deepest, atom]
+
+
+def margins_between(problem: Problem, before: Array, after: Array) -> Array:
+    """mu_ext [S, A + P] in the states between two states [n], where the problem looks there."""
+    assert problem.between is not None
+    states = before + problem.between[:, None] * (after - before)
+    return jax.vmap(lambda state: extended_margins(problem, state)[0])(states)
 
 
 def extended_margins(problem: Problem, state: Array) -> tuple[Array, Array]:

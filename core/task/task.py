@@ -51,6 +51,11 @@ class Task:
         return self.grounding.decomposition.formula
 
     @property
+    def between_steps(self) -> bool:
+        """Whether invariants must hold between the steps, too (see `core.between`)."""
+        return self.problem.between is not None
+
+    @property
     def horizon(self) -> int:
         """Length of an episode [steps]: max(T, horizon of the formula)."""
         return self.grounding.horizon

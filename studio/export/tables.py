@@ -12,6 +12,7 @@ from typing import cast
 
 import numpy as np
 
+from core.between import Between, between
 from core.monitor import monitor_rows
 from core.stl import to_text
 from core.task.task import Task
@@ -34,6 +35,7 @@ class RolloutTable:
         margins: [T + 1, A] of the regions [m], >= 0 inside.
         robustness: [T + 1, S] of the subformulas, the formula first [m]; NaN where undecided.
         schedule: [V] values of the variables [steps].
+        between: what the rollout does between its steps.
         moves: steps at which somebody has put the robot somewhere else.
     """
 
@@ -50,6 +52,7 @@ class RolloutTable:
     region_names: tuple[str, ...]
     subformulas: tuple[str, ...]
     variable_names: tuple[str, ...]
+    between: Between
     moves: tuple[int, ...] = ()
 
 
@@ -94,6 +97,7 @@ def rollout_table(  # noqa: PLR0913
         region_names=names,
         subformulas=tuple(row.text for row in rows),
         variable_names=tuple(variable.name for variable in variables),
+        between=between(task, np.asarray(states)[:length]),
         moves=moves,
     )
 
@@ -121,7 +125,7 @@ def rollout_csv(table: RolloutTable) -> bytes:
 
 def rollout_npz(table: RolloutTable) -> bytes:
     """Write a compressed npz of numbers and text; `numpy.load` needs no pickle."""
-    file = io.BytesIO()
+    file, found = io.BytesIO(), table.between
     np.savez_compressed(
         file,
         format=np.int64(FORMAT),
@@ -139,6 +143,10 @@ def rollout_npz(table: RolloutTable) -> bytes:
         region_names=np.array(table.region_names, np.str_),
         subformulas=np.array(table.subformulas, np.str_),
         variable_names=np.array(table.variable_names, np.str_),
+        between_margin=np.float64(found.margin),
+        between_invariant=np.str_("" if found.invariant is None else to_text(found.invariant)),
+        between_step=np.int64(found.step),
+        between_position=np.array(found.position, float),
         moves=np.array(table.moves, np.int64),
     )
     return file.getvalue()

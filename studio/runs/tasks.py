@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from core.between import SUBSTEPS
 from core.compilation import program
 from core.decompose import Decomposition, DecompositionError, decompose
 from core.stl import Atom, Formula, Not, children, negation_normal_form
@@ -159,6 +160,7 @@ def _problem(
             jnp.asarray(center),
             jnp.asarray(legs),
             _on_body(scene, world, grounding) if has_body(robot) else None,
+            jnp.arange(1, SUBSTEPS) / SUBSTEPS if scene.between_steps else None,
         )
     )
 
