@@ -69,7 +69,9 @@ class Between:
 
 
 def strict_robustness(task: Task, states: np.ndarray) -> np.ndarray:
-    """Robustness [R] of the strict reading on traces [R, T + 1, n]; NaN if they have diverged."""
+    """Robustness [R] of the strict reading on traces [R, T + 1, n], all of them finite."""
+    if not len(states):
+        return np.zeros(0)
     strict = strict_formula(task.formula)
     seen = _seen(task, strict, states)
     return np.asarray(robustness(strict.formula, seen.columns, strict.names))
@@ -78,7 +80,7 @@ def strict_robustness(task: Task, states: np.ndarray) -> np.ndarray:
 def between_margins(task: Task, states: np.ndarray) -> np.ndarray:
     """Least margins [R] between the steps of traces [R, T + 1, n] (see `Between`) [m]."""
     strict = strict_formula(task.formula)
-    if not strict.invariants:
+    if not strict.invariants or not len(states):
         return np.full(len(states), np.inf)
     margins, _ = _judged(strict, _seen(task, strict, states))
     return margins

@@ -141,3 +141,8 @@ def test_goals_are_out_of_account():
     assert found.holds and found.margin == pytest.approx(0.26, abs=1e-3)
     assert between(toy_task("F_[0:9](A)"), jump(0.1)) == Between(np.inf)
     assert between_sentence(Between(np.inf), satisfied=True) == ""
+
+
+def test_no_traces_have_no_margins():
+    task, none = toy_task("G_[0:14](!B)"), jump(0.1)[None][:0]
+    assert between_margins(task, none).shape == strict_robustness(task, none).shape == (0,)
