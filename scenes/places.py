@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from core.stl import Formula
+from core.stl import Formula, fold_constants, negation_normal_form
 from core.task.feasibility import Mission, Places
 from scenes.distances import margin_of
 from scenes.layouts import half_extents
+from scenes.predicates import relaxed
 from scenes.regions import Region
 from scenes.scene import Scene, robot_of
 
@@ -20,7 +21,14 @@ ROUNDING = 1e-6
 
 
 def mission_of(scene: Scene, formula: Formula) -> Mission:
-    """What is judged of a scene with its parsed formula."""
+    """What is judged of a scene with its parsed formula.
+
+    Predicates of the state are left out: only regions are places. What is asked without them is
+    weaker, so that what is proved of it is proved of the formula.
+    """
+    if scene.predicates:
+        names = frozenset(predicate.name for predicate in scene.predicates)
+        formula = fold_constants(relaxed(negation_normal_form(formula), names))
     regions = (*scene.regions, scene.initial)
     center = np.array([region.center for region in regions], float)
     half = np.array([half_extents(region) for region in regions])

@@ -8,6 +8,7 @@ The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's
     horizon = 100  # steps        seed = 1007         formula = "F_[0:90](A1)"
     [initial]      kind, center, size                 # where episodes start
     [regions.A1]   kind, center, size, color?         # one table per region, in order
+    [predicates]   slow = "v <= 1"                    # of the robot's state, if any
 
 `variant = "..."` beside them asks for another reading of the robot, one of its `variants`;
 `between_steps = true` for invariants that hold between the steps, too (`core.between`).
@@ -29,6 +30,7 @@ import msgspec
 from core.documents import typed
 from core.errors import UserError, allowed
 from envs import ENVS, Robot, make_robot
+from scenes.predicates import Predicate, check_predicates
 from scenes.regions import Region, SceneError
 from scenes.toml import LARGEST_FILE, read_toml
 
@@ -67,6 +69,7 @@ class _SceneTable(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     initial: Any
     regions: dict[str, Any] = {}
     """A `_RegionTable` each, as `initial`; read one by one, so that errors can name them."""
+    predicates: dict[str, Any] = {}
 
 
 @dataclass(frozen=True)
@@ -84,6 +87,7 @@ class Scene:
         initial: The set of initial positions (its name is not an atom).
         variant: One of the robot's `variants`, empty for the standard robot.
         between_steps: Whether invariants must hold between the steps, too.
+        predicates: Of the robot's state; names unique, among the regions', too.
     """
 
     name: str
@@ -96,6 +100,7 @@ class Scene:
     initial: Region
     variant: str = ""
     between_steps: bool = False
+    predicates: tuple[Predicate, ...] = ()
 
     def __post_init__(self):
         for field, longest in (("name", 80), ("title", 200), ("formula", LONGEST_FORMULA)):
@@ -107,13 +112,15 @@ class Scene:
         _check_integer("horizon", self.horizon, 1, LARGEST_HORIZON)
         _check_integer("seed", self.seed, 0, LARGEST_SEED)
         self._check_regions()
+        check_predicates(self.predicates, robot_of(self))
 
     def _check_regions(self) -> None:
         seen: set[str] = set()
-        for region in self.regions:
-            if region.name in seen:
-                raise SceneError(f"regions.{region.name}: this name is given twice")
-            seen.add(region.name)
+        for named in (*self.regions, *self.predicates):
+            if named.name in seen:
+                table = "regions" if isinstance(named, Region) else "predicates"
+                raise SceneError(f"{table}.{named.name}: this name is given twice")
+            seen.add(named.name)
         fields = {f"regions.{region.name}": region for region in self.regions}
         for field, region in ({"initial": self.initial} | fields).items():
             if region.dimension != self.dimension:
@@ -129,8 +136,13 @@ class Scene:
 
     @property
     def region_names(self) -> tuple[str, ...]:
-        """Names of the regions, in order: the atoms that the formula may use."""
+        """Names of the regions, in order."""
         return tuple(region.name for region in self.regions)
+
+    @property
+    def atom_names(self) -> tuple[str, ...]:
+        """What the formula may speak of: the regions, then the predicates."""
+        return (*self.region_names, *(predicate.name for predicate in self.predicates))
 
 
 def robot_of(scene: Scene) -> Robot:
@@ -217,6 +229,9 @@ def format_scene(scene: Scene) -> str:
     lines += _region_lines(scene.initial)
     for region in scene.regions:
         lines += ["", f"[regions.{_key(region.name)}]", *_region_lines(region)]
+    if scene.predicates:
+        lines += ["", "[predicates]"]
+    lines += [f"{_key(each.name)} = {_quoted(each.text)}" for each in scene.predicates]
     return "\n".join(lines) + "\n"
 
 
@@ -250,7 +265,15 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
         initial=_region_from("initial", read.initial, "initial"),
         variant=read.variant,
         between_steps=read.between_steps,
+        predicates=tuple(_predicate_from(name, text) for name, text in read.predicates.items()),
     )
+
+
+def _predicate_from(name: str, text: str) -> Predicate:
+    try:
+        return Predicate(name, text)
+    except SceneError as error:
+        raise SceneError(f"predicates.{name}: {error}") from error
 
 
 def _region_from(name: str, table: Any, field: str) -> Region:

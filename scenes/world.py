@@ -18,6 +18,7 @@ from core.stl import Formula, robustness, to_text
 from envs import Workspace
 from scenes.fields import Grid, geodesic_field, interpolate
 from scenes.margins import RegionArrays, margins_and_gradients, region_arrays
+from scenes.predicates import positional_margins, without_state
 from scenes.regions import Region, SceneError
 from scenes.scene import Scene, robot_of
 
@@ -131,6 +132,9 @@ def goal_geometry(
 ) -> GoalGeometry:
     """Fields, sample positions and distances of the subgoals of a formula.
 
+    Only what subgoals and obstacles ask of the position counts: the way to `A & slow` leads to A,
+    and `!B | slow` bars no way. A subgoal that asks for nothing but a state is everywhere.
+
     Args:
         world: the workspace.
         scene: regions; its seed draws the sample positions.
@@ -148,8 +152,14 @@ def goal_geometry(
     atoms = _node_margins(grid, region_arrays(scene.regions, scene.dimension, 32))
     atoms = atoms[:, : len(scene.regions)]
 
+    names, robot = scene.region_names, robot_of(scene)
+    own = positional_margins(scene.predicates, robot, nodes) if scene.predicates else {}
+    if own:
+        names, atoms = (*names, *own), np.column_stack([atoms, *own.values()])
+
     def value(formula: Formula) -> np.ndarray:
-        return robustness(formula, atoms[:, None, :], scene.region_names)
+        asked = without_state(formula, scene.predicates, robot)
+        return robustness(asked, atoms[:, None, :], names)
 
     goal_margin = [value(goal) for goal in goals]
     obstacle_margin = {o: value(o) for combination in obstacles for o in combination}
@@ -168,7 +178,7 @@ def goal_geometry(
                 f"arena extends from {nodes.min(0).tolist()} to {nodes.max(0).tolist()} m"
             )
     points = [_sample_inside(nodes, m, blocked[0], samples, random) for m in goal_margin]
-    center = [nodes[m.argmax()] for m in goal_margin]
+    center = [nodes.mean(0) if m.min() == np.inf else nodes[m.argmax()] for m in goal_margin]
     legs = _legs(fields.reshape(*fields.shape[:2], len(nodes), -1)[..., 0], goal_margin)
     return GoalGeometry(fields, np.stack(points), np.stack(center), legs)
 

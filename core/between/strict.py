@@ -14,7 +14,6 @@ satisfied.
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import NamedTuple
 
 from core.decompose.released import released
@@ -69,7 +68,6 @@ class Strict:
         return tuple(each.predicate for each in self.asked.values() if each.throughout)
 
 
-@lru_cache(maxsize=64)
 def strict_formula(formula: Formula) -> Strict:
     """The strict reading of any formula."""
     reading = _Reading()

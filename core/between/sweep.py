@@ -8,6 +8,7 @@ A step is looked at in `SUBSTEPS` places at least. Margins change by no more tha
 farthest moving point of its body) travels: on a part of length l that has the values f and g at
 its ends, a formula is at least (f + g - l) / 2. Parts on which that leaves the sign open are
 halved until it does not, or the doubt is below `DOUBT`. So no obstacle is too thin to be seen.
+Predicates of the state change by no more than their scaled quantities.
 
 Dimensions: R rollouts, T steps, K state formulas, A atoms, n state, M parts, P points of a body.
 """
@@ -21,6 +22,7 @@ import numpy as np
 
 from core.compilation import program
 from core.stl import Formula, robustness_signal
+from core.task.inequalities import scaled_quantities
 from core.task.problem import Problem, atom_margins
 from core.task.protocols import Array, BodiedRobot
 from core.task.task import Task
@@ -51,7 +53,7 @@ class Looked(NamedTuple):
     """What is seen in some states."""
 
     values: np.ndarray  # [..., K] of the state formulas [m]
-    points: np.ndarray  # [..., P, d] position, and centres of the body where it counts [m]
+    points: np.ndarray  # [..., P, d] by whose way margins change at most [m]
 
 
 def swept(task: Task, states: np.ndarray, predicates: Sequence[Formula]) -> Sweep:
@@ -177,6 +179,10 @@ def _seen(problem: Problem, states: Array) -> tuple[Array, Array]:
         if problem.on_body is not None:
             centers, _ = cast(BodiedRobot, problem.robot).body(state)
             points = jnp.concatenate([points, centers])
+        if problem.inequalities is not None:
+            quantities = scaled_quantities(problem.inequalities, problem.robot, state)
+            apart = jnp.pad(points, ((0, 0), (0, quantities.size)))
+            points = jnp.concatenate([apart, jnp.pad(quantities, (points.shape[1], 0))[None]])
         return margins, points
 
     return jax.vmap(one)(states)

@@ -21,7 +21,7 @@ from core.between.strict import Asked, Strict, strict_formula
 from core.between.sweep import Sweep, look, swept
 from core.monitor.signals import Signals
 from core.monitor.witness import decisive
-from core.monitor.wording import literal, metres, quoted
+from core.monitor.wording import amount, literal, quoted
 from core.stl import Atom, Formula, robustness, to_text
 from core.task.task import Task
 
@@ -112,9 +112,10 @@ def between_sentence(found: Between, *, satisfied: bool) -> str:
     if found.invariant is None:
         return ""
     if found.holds:
+        least = amount(found.invariant, found.margin)
         return (
-            f"It holds between the steps, too, by {metres(found.margin)} at least: "
-            f"{quoted(found.invariant)} {_where(found)}"
+            f"It holds between the steps, too, by {least} at least: {quoted(found.invariant)} "
+            f"{_where(found)}"
         )
     if satisfied:
         return f"Satisfied at every step; {breach_text(found)}"
@@ -125,7 +126,8 @@ def between_sentence(found: Between, *, satisfied: bool) -> str:
 def breach_text(found: Between) -> str:
     """`between steps 14 and 15 it cuts B1 by 0.07 m at (3.2, 4.1)`, of what does not hold."""
     assert found.invariant is not None
-    depth, (name, wanted) = metres(-found.margin), literal(found.invariant) or ("", True)
+    depth = amount(found.invariant, -found.margin)
+    name, wanted = literal(found.invariant) or ("", True)
     if not name:
         what = f"it breaks {quoted(found.invariant)}"
     else:

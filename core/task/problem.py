@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from core.task.grounding import FormulaArrays
+from core.task.inequalities import Inequalities, with_inequalities
 from core.task.protocols import Array, BodiedRobot, Robot, World
 
 SAMPLES_INSIDE = 64
@@ -42,6 +43,8 @@ class Problem:
     """Parts [S] of a step that have gone by where constraints are looked at, too, each in (0, 1).
 
     None where only steps count."""
+    inequalities: Inequalities | None = None
+    """Predicates of the state, whose atoms come after the regions'; None where there are none."""
 
 
 def to_device(problem: Problem) -> Problem:
@@ -54,7 +57,15 @@ def atom_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
 
     In general, margins of the robot's position. Atoms that are `on_body` are entered as soon as any
     ball of the body touches them: the maximum, over position and balls, of margin plus radius.
+    Predicates of the state have margins and gradients of their own (`core.task.inequalities`).
     """
+    found = _region_margins(problem, state)
+    if problem.inequalities is None:
+        return found
+    return with_inequalities(problem.inequalities, problem.robot, state, found)
+
+
+def _region_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
     robot, margins_at = problem.robot, partial(problem.world.margins, problem.data)
     margin, gradient = margins_at(robot.position(state))
     if problem.on_body is None:

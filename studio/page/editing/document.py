@@ -101,13 +101,13 @@ class Document:
         color: str | None = None,
     ) -> str:
         """Add a region under the first free name, A1, A2, ...; returns the name."""
-        name = free_name(prefix, self.scene.region_names)
+        name = free_name(prefix, self.scene.atom_names)
         return self._add(f"add {name}", Region(name, kind, tuple(center), tuple(size), color))
 
     def duplicate(self, name: str) -> str:
         """Add a copy of a region, slightly offset; returns its name."""
         region, shift = self.region(name), SHIFT * ENVS[self.scene.robot].length
-        copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.region_names)
+        copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.atom_names)
         x, y, *rest = region.center
         moved = replace(region, name=copy, center=(x + shift, y - shift, *rest))
         return self._add(f"duplicate {name}", moved)
@@ -143,9 +143,9 @@ class Document:
     def rename(self, name: str, new: str) -> None:
         """Rename a region, in the formula too."""
         region = self.region(name)
-        names = self.scene.region_names
+        names = self.scene.atom_names
         if new != name and new in names:
-            raise EditError(f"name: {new!r} is already the name of another region")
+            raise EditError(f"name: {new!r} is already the name of something else")
         renamed = replace(region, name=new)
         formula = rename_in_formula(
             self.scene.formula,
