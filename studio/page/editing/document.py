@@ -11,7 +11,7 @@ from dataclasses import replace
 from core.errors import UserError
 from core.task.grounding import MAX_ATOMS
 from envs import ENVS
-from scenes import Region, Scene
+from scenes import Predicate, Region, Scene
 from scenes.regions import LONGEST_NAME, allowed
 from studio.page.editing.history import History
 from studio.page.editing.meaning import differences
@@ -145,7 +145,8 @@ class Document:
         region = self.region(name)
         names = self.scene.atom_names
         if new != name and new in names:
-            raise EditError(f"name: {new!r} is already the name of something else")
+            other = "another region" if new in self.scene.region_names else "a predicate"
+            raise EditError(f"name: {new!r} is already the name of {other}")
         renamed = replace(region, name=new)
         formula = rename_in_formula(
             self.scene.formula,
@@ -186,6 +187,16 @@ class Document:
     def set_formula(self, text: str, gesture: str | None = None) -> None:
         """Change the text of the formula, valid or not."""
         self._record("edit the formula", replace(self.scene, formula=text), gesture)
+
+    def set_predicates(self, predicates: Sequence[Predicate]) -> None:
+        """Change the predicates of the robot's state; a formula that names them stays."""
+        scene = replace(self.scene, predicates=tuple(predicates))
+        self._record("change the predicates", scene)
+
+    def set_between_steps(self, asked: bool) -> None:
+        """Change whether invariants must hold between the steps, too."""
+        scene = replace(self.scene, between_steps=asked)
+        self._record("change what counts between the steps", scene)
 
     def set_horizon(self, steps: int, gesture: str | None = None) -> None:
         """Change the scene's horizon, the minimum length of an episode."""
