@@ -114,18 +114,18 @@ def worst_open(checks: Checks) -> Array:
 
 def worst_open_constraint(checks: Checks) -> Array:
     """Smallest margin of the invariant constraints whose windows contain this step."""
-    return open_constraints(checks).min()
-
-
-def open_constraints(checks: Checks) -> Array:
-    """Margins of the invariant constraints [C], +inf where the window does not contain this step.
-
-    Of those between the steps, the least.
-    """
-    margin = jnp.where(checks.constraint_open, checks.constraint, jnp.inf)
+    worst = jnp.where(checks.constraint_open, checks.constraint, jnp.inf).min()
     if checks.between is None:
-        return margin
-    return jnp.minimum(margin, checks.between[checks.subgoal.size :])
+        return worst
+    return jnp.minimum(worst, checks.between[checks.subgoal.size :].min())
+
+
+def violated_constraints(checks: Checks) -> Array:
+    """Which of the invariant constraints [C] are violated at this step, or on the way to it."""
+    violated = checks.constraint_open & (checks.constraint < 0)
+    if checks.between is None:
+        return violated
+    return violated | (checks.between[checks.subgoal.size :] < 0)
 
 
 def is_sound(state: Array) -> Array:

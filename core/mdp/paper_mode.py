@@ -23,7 +23,7 @@ from core.mdp.episode import (
     check,
     check_between,
     is_sound,
-    open_constraints,
+    violated_constraints,
     worst_open,
 )
 from core.mdp.grounded import GroundedMdp
@@ -165,4 +165,4 @@ def _certificate(
 
 
 def _kept(checks: Checks) -> Array:
-    return 1.0 - (open_constraints(checks) < 0)
+    return 1.0 - violated_constraints(checks)

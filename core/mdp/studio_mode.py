@@ -27,7 +27,7 @@ from core.mdp.episode import (
     check,
     check_between,
     is_sound,
-    open_constraints,
+    violated_constraints,
     worst_open,
     worst_open_constraint,
 )
@@ -105,7 +105,7 @@ class StudioMode:
         worst = jnp.where(is_sound(state), worst_open(sense.checks), -jnp.inf)
         alive = (worst >= 0).astype(jnp.float32) * episode.alive
         progress = jnp.where(alive > 0, (windows.end <= tau).sum(), episode.progress)
-        violated = open_constraints(sense.checks) < 0
+        violated = violated_constraints(sense.checks)
         following = Episode(
             state,
             tau,
