@@ -50,10 +50,10 @@ class Recording:
     positions: np.ndarray  # [T + 1, 3] in [m], z = 0 for planar robots
     robustness: float  # of the formula [m], -inf if the simulation diverged; see `satisfied`
     outcomes: tuple[Outcome, ...]
-    between: Between
-    """What it does between the steps."""
     moves: tuple[int, ...] = ()
     """Steps at which somebody has put the robot somewhere else."""
+    between: Between = Between(np.inf)
+    """What it does between the steps."""
 
     @property
     def satisfied(self) -> bool:
@@ -122,7 +122,7 @@ def record(
     flat[:, : position.shape[1]] = position
     verdict = float(verdicts(task, states[:, None], margins[:, None])[0])
     outcomes, found = _outcomes(task, chosen, margins), between(task, states)
-    return Recording(task, chosen, states, actions, margins, flat, verdict, outcomes, found, moves)
+    return Recording(task, chosen, states, actions, margins, flat, verdict, outcomes, moves, found)
 
 
 def _outcomes(task: Task, schedule: tuple[int, ...], margins: np.ndarray) -> tuple[Outcome, ...]:
