@@ -20,7 +20,7 @@ import numpy as np
 
 from core.compilation import key_shape, program, shape_of
 from core.controller import Controller
-from core.evaluation import trace_robustness
+from core.evaluation import rollout_robustness
 from core.rollout import Rollout, roll_out, rollout_jobs
 from core.task.physics import physics_of
 from core.task.problem import Problem
@@ -132,7 +132,7 @@ def best_answer(
         orders, schedules = np.asarray(ranking.orders), np.asarray(ranking.schedules)
         chosen = _of_every_kind(orders, schedules, tries(task))
         rollout = carry_out(chosen.schedules)
-        score = trace_robustness(task, np.asarray(rollout.margins))
+        score = rollout_robustness(task, rollout)
         tried += len(np.unique(chosen.schedules, axis=0))
         for index in np.argsort(-score, kind="stable"):
             kind = chosen.kinds[index]

@@ -16,7 +16,7 @@ import numpy as np
 from core.answer import Plan, answer, tries
 from core.controller import Controller
 from core.errors import UserError
-from core.evaluation import trace_robustness
+from core.evaluation import rollout_robustness
 from core.replanning import Past, replan
 from core.rollout import roll_on
 from core.task.moving import move_robot
@@ -99,7 +99,7 @@ def _as_planned(
         rows = np.resize(batch, count)  # filled up by repeats
         traces = np.stack([plans[row].states for row in rows], 1)
         schedules = np.stack([plans[row].schedule for row in rows])
-        margins = np.zeros(0)
+        rollout = None
         for number in range(len(drawn[0])):
             steps = np.array([drawn[row][number].step for row in rows])
             for column, row in enumerate(rows):
@@ -107,8 +107,9 @@ def _as_planned(
                 past = _pushed(task, traces[: push.step + 1, column], push)
                 traces[: push.step + 1, column] = past
             rollout = roll_on(task, controller, traces, steps, schedules)
-            traces, margins = np.array(rollout.states), np.asarray(rollout.margins)
-        found.append(trace_robustness(task, margins)[: len(batch)])
+            traces = np.array(rollout.states)
+        assert rollout is not None
+        found.append(rollout_robustness(task, rollout)[: len(batch)])
     return np.concatenate(found)
 
 

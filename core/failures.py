@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.between import swept
 from core.controller import Controller
 from core.decompose import task_name
 from core.quoting import LONGEST_FORMULA, shown
@@ -39,7 +40,11 @@ def commonest_failure(
     None if no task fails, or there is none.
     """
     schedules, _, rollout = roll_out_choice(task, controller, key, count=count)
-    return _commonest(task, np.moveaxis(np.asarray(rollout.margins), 0, 1), np.asarray(schedules))
+    states, margins = (
+        np.moveaxis(np.asarray(each), 0, 1) for each in (rollout.states, rollout.margins)
+    )
+    between = _between(task, states) if task.between_steps else None
+    return _commonest(task, margins, np.asarray(schedules), between)
 
 
 def failure_text(task: Task, failure: Failure) -> str:
@@ -52,8 +57,23 @@ def failure_text(task: Task, failure: Failure) -> str:
     )
 
 
-def _commonest(task: Task, traces: np.ndarray, schedules: np.ndarray) -> Failure | None:
-    """From margins [R, T, A] of the rollouts and their schedules [R, V]."""
+def _between(task: Task, states: np.ndarray) -> np.ndarray:
+    """Whether each task's predicate holds from each step to the next [R, T - 1, K]."""
+    predicates = [each.predicate for each in task.grounding.decomposition.tasks]
+    return swept(task, states, predicates).value >= 0
+
+
+def _commonest(
+    task: Task, traces: np.ndarray, schedules: np.ndarray, between: np.ndarray | None = None
+) -> Failure | None:
+    """From margins [R, T, A] of the rollouts and their schedules [R, V].
+
+    Args:
+        task: whose tasks are meant.
+        traces: margins.
+        schedules: of the rollouts.
+        between: whether each task holds from each step to the next, where that counts.
+    """
     decomposition, names = task.grounding.decomposition, task.grounding.atoms
     used = len(decomposition.variables)
     held = [
@@ -66,6 +86,8 @@ def _commonest(task: Task, traces: np.ndarray, schedules: np.ndarray) -> Failure
         for each, start, end in decomposition.active_tasks(schedule):
             number = index[id(each)]
             missed = ~held[number][rollout, start : end + 1]
+            if between is not None:
+                missed[:-1] |= ~between[rollout, start:end, number]
             if missed.any():
                 first[number].append(start + int(missed.argmax()))
     failing = [number for number, steps in enumerate(first) if steps]

@@ -15,7 +15,7 @@ import numpy as np
 
 from core.answer import tries
 from core.controller import Controller
-from core.evaluation import trace_robustness
+from core.evaluation import rollout_robustness
 from core.heatmap import Heatmap
 from core.rollout import roll_out
 from core.task.protocols import Array
@@ -88,7 +88,7 @@ def simulate_more(task: Task, controller: Controller, state: Array, truth: Truth
     states = jnp.broadcast_to(state, (count, *state.shape))
     rollout = roll_out(task, controller, states, batch)
     known = truth.robustness.copy()
-    known.ravel()[ahead] = trace_robustness(task, np.asarray(rollout.margins))[: ahead.size]
+    known.ravel()[ahead] = rollout_robustness(task, rollout)[: ahead.size]
     return truth._replace(robustness=known)
 
 

@@ -19,6 +19,7 @@ import jax.numpy as jnp
 
 from core.errors import UserError
 from core.task.protocols import Tuning
+from core.task.quantities import quantities_of
 from envs.check_motion import check_motion
 from envs.finding import Finding
 from envs.robot import Robot, Workspace
@@ -102,6 +103,10 @@ def _check_names(robot: Robot) -> Iterator[Finding]:
         given, wanted = len(getattr(robot, names)), getattr(robot, size)
         if given != wanted:
             yield Finding(names, f"has {given} names, but {size} is {wanted}")
+    names = [each.name for each in quantities_of(robot)]
+    unfit = [name for name in names if not name.isidentifier() or names.count(name) > 1]
+    if unfit and hasattr(robot, "quantities"):
+        yield Finding("quantities", f"{unfit[0]!r} must be a word, and be there once")
     for name, variant in robot.variants.items():
         if variant.name != robot.name or variant.position_size != robot.position_size:
             yield Finding("variants", f"{name!r} must keep the robot's name and position_size")
@@ -182,6 +187,8 @@ def _check_shapes(robot: Robot) -> Iterator[Finding]:
         ("to_frame", (state, vectors[0, 0]), (None,)),
         ("to_frame", (state, vectors), (2, 3, None)),
     ]
+    if hasattr(robot, "named"):
+        checks.append(("named", (state,), (len(quantities_of(robot)),)))
     broken: set[str] = set()
     for name, arguments, shape in checks:
         for finding in _check_call(getattr(robot, name), name, arguments, shape):

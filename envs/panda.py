@@ -111,6 +111,15 @@ class Panda:
     action_names: tuple[str, ...] = tuple(f"omega {i}" for i in range(1, 8))
 
     @property
+    def quantities(self) -> tuple[str, ...]:
+        """Position of the end effector, and the joint angles."""
+        return ("x [m]", "y [m]", "z [m]", *(f"q{i} [rad]" for i in range(1, 8)))
+
+    def named(self, state: jax.Array) -> jax.Array:
+        """Values [10] of `quantities`."""
+        return jnp.concatenate([self.position(state), state])
+
+    @property
     def variants(self) -> Mapping[str, Robot]:
         """`links`: obstacles are held against the whole arm."""
         return {"links": replace(self, links=True)}

@@ -108,6 +108,20 @@ class Quadrotor:
         return ("thrust", "roll", "pitch", "yaw rate")
 
     @property
+    def quantities(self) -> tuple[str, ...]:
+        """Position and velocity in the scene's frame, z up; the angles and rates of the state."""
+        return (
+            *("x [m]", "y [m]", "z [m]", "vx [m/s]", "vy [m/s]", "vz [m/s]", "speed [m/s]"),
+            *("roll [rad]", "pitch [rad]", "yaw [rad]", "p [rad/s]", "q [rad/s]", "r [rad/s]"),
+        )
+
+    def named(self, state: jax.Array) -> jax.Array:
+        """Values [13] of `quantities`."""
+        velocity = self.velocity(state)
+        speed = jnp.sqrt((velocity**2).sum() + 1e-12)[None]
+        return jnp.concatenate([self.position(state), velocity, speed, state[6:12]])
+
+    @property
     def variants(self) -> Mapping[str, Robot]:
         """`raw-motors`: the action is the motor forces, as in the paper."""
         return {"raw-motors": replace(self, raw_motors=True)}

@@ -5,6 +5,7 @@ from scenes.formula import scene_formula, scene_reading
 from scenes.layouts import walls
 from scenes.margins import RegionArrays, margins, margins_and_gradients, region_arrays
 from scenes.places import mission_of
+from scenes.predicates import Predicate, inequality_of
 from scenes.regions import Region, SceneError
 from scenes.scene import (
     Scene,
@@ -31,6 +32,7 @@ from scenes.world import (
 __all__ = [
     "GoalGeometry",
     "GridWorld",
+    "Predicate",
     "Region",
     "RegionArrays",
     "Scene",
@@ -39,6 +41,7 @@ __all__ = [
     "demo_names",
     "format_scene",
     "goal_geometry",
+    "inequality_of",
     "load_scene",
     "load_task",
     "make_world",

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
-from core.stl import Formula
+from core.stl import Formula, fold_constants, negation_normal_form
 from core.task.feasibility import Mission, Places
 from scenes.distances import margin_of
+from scenes.predicates import relaxed
 from scenes.regions import Region
 from scenes.scene import Scene, robot_of, workspace_of
 from scenes.starts import inner_point
@@ -22,7 +23,14 @@ ROUNDING = 1e-6
 
 
 def mission_of(scene: Scene, formula: Formula) -> Mission:
-    """What is judged of a scene with its parsed formula."""
+    """What is judged of a scene with its parsed formula.
+
+    Predicates of the state are left out: only regions are places. What is asked without them is
+    weaker, so that what is proved of it is proved of the formula.
+    """
+    if scene.predicates:
+        names = frozenset(predicate.name for predicate in scene.predicates)
+        formula = fold_constants(relaxed(negation_normal_form(formula), names))
     regions = (*scene.regions, scene.initial)
     center = np.array([region.center for region in regions], float)
     half = np.array([region.half_extents for region in regions])
@@ -44,8 +52,8 @@ def mission_of(scene: Scene, formula: Formula) -> Mission:
     known = tiny_ball if is_point else margin
     places = Places(names, center - half, center + half, radius, known, tolerance)
     robot = robot_of(scene)
-    starts = _starts(places, scene.initial)
-    return Mission(formula, places, starts, robot, workspace_of(scene).arena)
+    starts, arena = _starts(places, scene.initial), workspace_of(scene).arena
+    return Mission(formula, places, starts, robot, arena, scene.between_steps)
 
 
 def _radius(region: Region) -> float:

@@ -8,9 +8,11 @@ The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's
     horizon = 100  # steps        seed = 1007         formula = "F_[0:90](A1)"
     [initial]      kind, center, size                 # where episodes start
     [regions.A1]   kind, center, size, color?         # one table per region, in order
+    [predicates]   slow = "v <= 1"                    # of the robot's state, if any
 
 `variant = "..."` beside them asks for another reading of the robot, one of its `variants`;
-`arena = [[low, high], ...]` for another arena than the robot's. docs/scene-files.md has it all.
+`arena = [[low, high], ...]` for another arena than the robot's, and `between_steps = true` for
+invariants that hold between the steps, too (`core.between`). docs/scene-files.md has it all.
 """
 
 import os
@@ -28,6 +30,7 @@ from core.documents import typed
 from core.errors import UserError, allowed
 from envs import ENVS, Robot, Workspace, make_robot
 from scenes.arena import Arena, checked, fitted, round_scale, scale_of
+from scenes.predicates import Predicate, check_predicates
 from scenes.regions import Region, SceneError
 from scenes.tables import key, quoted, quoted_lines, region_from, region_lines
 from scenes.toml import LARGEST_FILE, read_toml
@@ -51,12 +54,14 @@ class _SceneTable(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     title: str
     robot: str
     variant: str = ""
+    between_steps: bool = False
     horizon: int
     seed: int
     formula: str
     initial: Any
     regions: dict[str, Any] = {}
     """A table each, as `initial`; read one by one, so that errors can name them."""
+    predicates: dict[str, Any] = {}
     arena: Any = None
     workspace: Any = None
     """What people also call it; only one of the two may be given."""
@@ -77,6 +82,8 @@ class Scene:
         initial: The set of initial positions (its name is not an atom).
         variant: One of the robot's `variants`, empty for the standard robot.
         arena: (low, high) of each axis in [m]; None for the robot's own.
+        between_steps: Whether invariants must hold between the steps, too.
+        predicates: Of the robot's state; names unique, among the regions', too.
     """
 
     name: str
@@ -89,6 +96,8 @@ class Scene:
     initial: Region
     variant: str = ""
     arena: Arena | None = None
+    between_steps: bool = False
+    predicates: tuple[Predicate, ...] = ()
 
     def __post_init__(self):
         for field, longest in (("name", 80), ("title", 200), ("formula", LONGEST_FORMULA)):
@@ -102,16 +111,18 @@ class Scene:
         if self.arena is not None:
             object.__setattr__(self, "arena", checked(self.arena, robot_of(self)))
         self._check_regions()
+        check_predicates(self.predicates, robot_of(self))
 
     def _check_regions(self) -> None:
         seen: set[str] = set()
-        for region in self.regions:
-            if region.name in seen:
-                raise SceneError(f"regions.{region.name}: this name is given twice")
-            seen.add(region.name)
-            if region.kind == "point":
+        for named in (*self.regions, *self.predicates):
+            table = "regions" if isinstance(named, Region) else "predicates"
+            if named.name in seen:
+                raise SceneError(f"{table}.{named.name}: this name is given twice")
+            seen.add(named.name)
+            if isinstance(named, Region) and named.kind == "point":
                 raise SceneError(
-                    f"regions.{region.name}: a point can only be the initial set; a region needs "
+                    f"regions.{named.name}: a point can only be the initial set; a region needs "
                     "an inside, such as that of a small circle or sphere"
                 )
         fields = {f"regions.{region.name}": region for region in self.regions}
@@ -129,8 +140,13 @@ class Scene:
 
     @property
     def region_names(self) -> tuple[str, ...]:
-        """Names of the regions, in order: the atoms that the formula may use."""
+        """Names of the regions, in order."""
         return tuple(region.name for region in self.regions)
+
+    @property
+    def atom_names(self) -> tuple[str, ...]:
+        """What the formula may speak of: the regions, then the predicates."""
+        return (*self.region_names, *(predicate.name for predicate in self.predicates))
 
 
 def robot_of(scene: Scene) -> Robot:
@@ -226,6 +242,8 @@ def format_scene(scene: Scene) -> str:
         lines.append(f"{field} = {quoted(getattr(scene, field))}")
     if scene.variant:
         lines.append(f"variant = {quoted(scene.variant)}")
+    if scene.between_steps:
+        lines.append("between_steps = true")
     lines += [f"horizon = {scene.horizon}", f"seed = {scene.seed}"]
     if scene.arena is not None:
         lines.append(f"arena = {[list(pair) for pair in scene.arena]}")
@@ -233,6 +251,9 @@ def format_scene(scene: Scene) -> str:
     lines += region_lines(scene.initial)
     for region in scene.regions:
         lines += ["", f"[regions.{key(region.name)}]", *region_lines(region)]
+    if scene.predicates:
+        lines += ["", "[predicates]"]
+    lines += [f"{key(each.name)} = {quoted(each.text)}" for each in scene.predicates]
     return "\n".join(lines) + "\n"
 
 
@@ -266,6 +287,8 @@ def _scene_from(table: Mapping[str, Any]) -> Scene:
         initial=region_from("initial", read.initial, "initial"),
         variant=read.variant,
         arena=_arena_from(read),
+        between_steps=read.between_steps,
+        predicates=tuple(_predicate_from(name, text) for name, text in read.predicates.items()),
     )
 
 
@@ -277,6 +300,13 @@ def _arena_from(read: _SceneTable) -> Any:
     if isinstance(given, list) and given and not any(isinstance(each, list) for each in given):
         return [given[i : i + 2] for i in range(0, len(given), 2)]
     return given
+
+
+def _predicate_from(name: str, text: str) -> Predicate:
+    try:
+        return Predicate(name, text)
+    except SceneError as error:
+        raise SceneError(f"predicates.{name}: {error}") from error
 
 
 def _check_text(field: str, value: object, longest: int) -> None:

@@ -19,6 +19,7 @@ from envs import Workspace
 from scenes.arena import Arena, cells, fitted, holding, hull
 from scenes.fields import Grid, geodesic_field, interpolate
 from scenes.margins import PADDING_MARGIN, RegionArrays, margins_and_gradients, region_arrays
+from scenes.predicates import positional_margins, without_state
 from scenes.regions import SceneError
 from scenes.scene import Scene, robot_of, workspace_of
 from scenes.starts import Cells, cells_of, draw, round_axes
@@ -183,6 +184,9 @@ def goal_geometry(
 ) -> GoalGeometry:
     """Fields, sample positions and distances of the subgoals of a formula.
 
+    Only what subgoals and obstacles ask of the position counts: the way to `A & slow` leads to A,
+    and `!B | slow` bars no way. A subgoal that asks for nothing but a state is everywhere.
+
     Args:
         world: the workspace.
         scene: regions; its seed draws the sample positions.
@@ -202,8 +206,14 @@ def goal_geometry(
     atoms = atoms[:, : len(scene.regions)]
     beyond = world.beyond(nodes)
 
+    names, robot = scene.region_names, robot_of(scene)
+    own = positional_margins(scene.predicates, robot, nodes) if scene.predicates else {}
+    if own:
+        names, atoms = (*names, *own), np.column_stack([atoms, *own.values()])
+
     def value(formula: Formula) -> np.ndarray:
-        return robustness(formula, atoms[:, None, :], scene.region_names)
+        asked = without_state(formula, scene.predicates, robot)
+        return robustness(asked, atoms[:, None, :], names)
 
     goal_margin = [np.where(beyond, PADDING_MARGIN, value(goal)) for goal in goals]
     obstacle_margin = {o: value(o) for combination in obstacles for o in combination}
@@ -223,7 +233,7 @@ def goal_geometry(
                 f"arena extends from {low.tolist()} to {high.tolist()} m{_wider(scene)}"
             )
     points = [_sample_inside(nodes, m, blocked[0], samples, random) for m in goal_margin]
-    center = [nodes[m.argmax()] for m in goal_margin]
+    center = [nodes.mean(0) if m.min() == np.inf else nodes[m.argmax()] for m in goal_margin]
     legs = _legs(fields.reshape(*fields.shape[:2], len(nodes), -1)[..., 0], goal_margin)
     return GoalGeometry(fields, np.stack(points), np.stack(center), legs)
 

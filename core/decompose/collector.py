@@ -12,7 +12,7 @@ from core.decompose.model import (
     TreeNode,
     Variable,
 )
-from core.stl import Formula, Interval, Not, to_text, walk
+from core.stl import Atom, Formula, Interval, Not, to_text, walk
 
 MOST_VARIABLES = 100
 """Far more than any schedule can have; nested chains of visits stop growing here."""
@@ -49,9 +49,15 @@ class Collector:
     def invariance(
         self, predicate: Formula, window: Window, guards: Guards, source: Formula
     ) -> TreeNode:
-        """Add Inv(predicate, window): a stay, or an invariant constraint if it negates."""
-        positive = not any(isinstance(node, Not) for node in walk(predicate))
-        kind = Kind.STAY if positive else Kind.INVARIANT
+        """Add Inv(predicate, window): a stay, or an invariant constraint.
+
+        It is a constraint if it negates, or if it speaks of the state from step 0 on: nobody
+        travels to a speed.
+        """
+        negates = any(isinstance(node, Not) for node in walk(predicate))
+        of_state = any(isinstance(node, Atom) and not node.place for node in walk(predicate))
+        constrains = negates or (of_state and window.start == TimeExpr())
+        kind = Kind.INVARIANT if constrains else Kind.STAY
         index = self._add(Subtask(kind, predicate, *window, guards, source), source)
         start, end = (time.text(self.variables) for time in window)
         label = f"Inv({to_text(predicate)}, [{start}, {end}])"

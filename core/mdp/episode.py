@@ -11,7 +11,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from core.task.grounding import TaskArrays
-from core.task.problem import Problem
+from core.task.problem import Problem, margins_between
 from core.task.protocols import Array
 from core.task.windows import Windows
 
@@ -40,6 +40,7 @@ class Checks(NamedTuple):
     subgoal_open: Array  # [G] whether its window contains tau
     constraint_open: Array  # [C]
     gradient: Array  # [G + C, d] gradients of the margins
+    between: Array | None  # [G + C] least margin since the step before, +inf where none counts [m]
 
 
 def check(problem: Problem, windows: Windows, tau: Array, mu: Array, gradient: Array) -> Checks:
@@ -52,6 +53,30 @@ def check(problem: Problem, windows: Windows, tau: Array, mu: Array, gradient: A
         (windows.start <= tau) & (tau <= windows.end),
         (windows.constraint_start <= tau) & (tau <= windows.constraint_end),
         jnp.concatenate([subgoal_gradient[windows.order], constraint_gradient]),
+        None
+        if problem.between is None
+        else jnp.full(windows.order.size + constraint.size, jnp.inf),
+    )
+
+
+def check_between(
+    problem: Problem, windows: Windows, tau: Array, checks: Checks, states: tuple[Array, Array]
+) -> Checks:
+    """The checks at step tau, and what lies between the states [n] of the step before and of it.
+
+    Tasks count whose windows contain both steps. Nothing changes where the problem looks at
+    steps alone.
+    """
+    if problem.between is None:
+        return checks
+    mu, formula = margins_between(problem, *states), problem.formula
+    subgoal = (formula.subgoals.sign * mu[:, formula.subgoals.predicate]).min(0)[windows.order]
+    constraint = (formula.constraints.sign * mu[:, formula.constraints.predicate]).min(0)
+    start = jnp.concatenate([windows.start, windows.constraint_start])
+    end = jnp.concatenate([windows.end, windows.constraint_end])
+    margin = jnp.concatenate([subgoal, constraint])
+    return checks._replace(
+        between=jnp.where((start < tau) & (tau <= end), margin, jnp.inf),
     )
 
 
@@ -83,12 +108,24 @@ def before_start(state: Array, constraints: int) -> Episode:
 def worst_open(checks: Checks) -> Array:
     """Smallest margin of the tasks whose windows contain this step, +inf if there is none."""
     subgoal = jnp.where(checks.subgoal_open, checks.subgoal, jnp.inf).min()
-    return jnp.minimum(subgoal, worst_open_constraint(checks))
+    worst = jnp.minimum(subgoal, worst_open_constraint(checks))
+    return worst if checks.between is None else jnp.minimum(worst, checks.between.min())
 
 
 def worst_open_constraint(checks: Checks) -> Array:
     """Smallest margin of the invariant constraints whose windows contain this step."""
-    return jnp.where(checks.constraint_open, checks.constraint, jnp.inf).min()
+    worst = jnp.where(checks.constraint_open, checks.constraint, jnp.inf).min()
+    if checks.between is None:
+        return worst
+    return jnp.minimum(worst, checks.between[checks.subgoal.size :].min())
+
+
+def violated_constraints(checks: Checks) -> Array:
+    """Which of the invariant constraints [C] are violated at this step, or on the way to it."""
+    violated = checks.constraint_open & (checks.constraint < 0)
+    if checks.between is None:
+        return violated
+    return violated | (checks.between[checks.subgoal.size :] < 0)
 
 
 def is_sound(state: Array) -> Array:

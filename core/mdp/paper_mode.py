@@ -17,7 +17,15 @@ import jax
 import jax.numpy as jnp
 
 from core.documents import Positive, Share, Weight
-from core.mdp.episode import Checks, Episode, check, is_sound, worst_open
+from core.mdp.episode import (
+    Checks,
+    Episode,
+    check,
+    check_between,
+    is_sound,
+    violated_constraints,
+    worst_open,
+)
 from core.mdp.grounded import GroundedMdp
 from core.task.problem import extended_margins
 from core.task.protocols import Array
@@ -68,7 +76,9 @@ class PaperMode:
     ) -> tuple[Episode, PaperSense]:
         """The next augmented state, where the robot was found in `state`."""
         tau = episode.tau + 1
-        sense = self._sense(mdp, state, tau)
+        checks = self._sense(mdp, state, tau).checks
+        moved = episode.state, state
+        sense = PaperSense(check_between(mdp.problem, mdp.windows, tau, checks, moved))
         certificate = _certificate(
             mdp.windows, sense.checks, episode.certificate, episode.progress, tau
         )
@@ -155,4 +165,4 @@ def _certificate(
 
 
 def _kept(checks: Checks) -> Array:
-    return 1.0 - (checks.constraint_open & (checks.constraint < 0))
+    return 1.0 - violated_constraints(checks)

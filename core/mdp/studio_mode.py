@@ -25,7 +25,9 @@ from core.mdp.episode import (
     Checks,
     Episode,
     check,
+    check_between,
     is_sound,
+    violated_constraints,
     worst_open,
     worst_open_constraint,
 )
@@ -97,10 +99,13 @@ class StudioMode:
         """The episode one step on, where the robot was found in `state`."""
         windows, tau = mdp.windows, episode.tau + 1
         sense = self._sense(mdp, state, tau)
+        moved = episode.state, state
+        checks = check_between(mdp.problem, windows, tau, sense.checks, moved)
+        sense = sense._replace(checks=checks)
         worst = jnp.where(is_sound(state), worst_open(sense.checks), -jnp.inf)
         alive = (worst >= 0).astype(jnp.float32) * episode.alive
         progress = jnp.where(alive > 0, (windows.end <= tau).sum(), episode.progress)
-        violated = sense.checks.constraint_open & (sense.checks.constraint < 0)
+        violated = violated_constraints(sense.checks)
         following = Episode(
             state,
             tau,

@@ -189,8 +189,12 @@ def best_weights(task: Task, config: TrainingConfig, state: RunState) -> Any:
 
 
 def final_evaluation(task: Task, config: TrainingConfig, weights: Any) -> Evaluation:
-    """Evaluation on initial states that no evaluation during training has seen."""
-    return evaluate(task, config.controller(weights), _evaluation_key(config, 0))
+    """Evaluation on initial states that no evaluation during training has seen.
+
+    It looks between the steps, too.
+    """
+    controller, key = config.controller(weights), _evaluation_key(config, 0)
+    return evaluate(task, controller, key, between=True)
 
 
 def what_fails(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from core.quoting import LONGEST_FORMULA, shown
-from core.stl import Atom, Formula, Not, quote_name, to_text
+from core.stl import Atom, Formula, Not, quote_name, to_text, walk
 
 
 @dataclass(frozen=True)
@@ -40,17 +40,23 @@ def metres(distance: float) -> str:
     return f"{distance:.2f} m" if distance >= 0.095 else f"{distance:.2g} m"
 
 
+def amount(formula: Formula, margin: float) -> str:
+    """A margin of a state formula: in metres, or a bare number where it speaks of the state."""
+    places = all(node.place for node in walk(formula) if isinstance(node, Atom))
+    return metres(margin) if places else f"{margin:.2g}"
+
+
 def quoted(formula: Formula) -> str:
     """Text of a formula, the middle of a long one left out."""
     return shown(to_text(formula), LONGEST_FORMULA)
 
 
 def literal(formula: Formula) -> tuple[str, bool] | None:
-    """Name and sign of an atom or a negated atom."""
+    """Name and sign of a region or a negated region."""
     match formula:
-        case Atom(name=name):
+        case Atom(name=name, place=True):
             return shown(quote_name(name)), True
-        case Not(operand=Atom(name=name)):
+        case Not(operand=Atom(name=name, place=True)):
             return shown(quote_name(name)), False
     return None
 
@@ -61,7 +67,7 @@ def breach(formula: Formula, when: str, short: float, several: bool) -> str:
     up_to = "up to " if several else ""
     place = f"{'during' if several else 'at'} {when}"
     if not name:
-        return f"{quoted(formula)} did not hold {place}, missing by {up_to}{metres(short)}"
+        return f"{quoted(formula)} did not hold {place}, missing by {up_to}{amount(formula, short)}"
     if wanted:
         return f"the robot was outside {name} {place}, {up_to}{metres(short)} away"
     return f"the robot was in {name} {place}, {up_to}{metres(short)} deep"
@@ -71,7 +77,7 @@ def miss(formula: Formula, when: str, short: float, nearest: str) -> str:
     """What did not happen where a state formula never held, nearest by `short` [m]."""
     name, wanted = literal(formula) or ("", True)
     if not name:
-        closest = f"it came closest at {nearest}, missing by {metres(short)}"
+        closest = f"it came closest at {nearest}, missing by {amount(formula, short)}"
         return f"{quoted(formula)} never held {when}; {closest}"
     closest = f"the robot came closest at {nearest}, {metres(short)}"
     if wanted:
@@ -107,5 +113,7 @@ def arrival(formula: Formula) -> str:
 
 def margin_at(formula: Formula, margin: float, when: str) -> str:
     """Where a literal holds by a margin [m]: `0.08 m from B5 at step 37 (7.4 s)`."""
+    if literal(formula) is None:
+        return f"{amount(formula, margin)} of {quoted(formula)} at {when}"
     name, wanted = literal(formula) or (quoted(formula), True)
     return f"{metres(margin)} {'inside' if wanted else 'from'} {name} at {when}"

@@ -39,6 +39,7 @@ from core.stl.syntax import (
     operand_windows,
     walk,
     with_children,
+    with_predicates,
 )
 
 __all__ = [
@@ -85,4 +86,5 @@ __all__ = [
     "to_text",
     "walk",
     "with_children",
+    "with_predicates",
 ]

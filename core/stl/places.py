@@ -9,10 +9,10 @@ def place(formula: Formula) -> str:
     match formula:
         case Constant(value=value):
             return "anywhere" if value else "nowhere"
-        case Atom(name=name):
-            return f"in {quote_name(name)}"
-        case Not(operand=Atom(name=name)):
-            return f"outside {quote_name(name)}"
+        case Atom():
+            return f"{'in ' if formula.place else ''}{quote_name(formula.name)}"
+        case Not(operand=Atom() as atom):
+            return f"{'outside' if atom.place else 'not'} {quote_name(atom.name)}"
         case Not(operand=Not(operand=operand)):
             return place(operand)
         case Not(operand=Or(operands=operands)):

@@ -48,6 +48,8 @@ class Atom(Formula):
     """A named predicate: satisfied where its margin is >= 0."""
 
     name: str
+    place: bool = field(default=True, compare=False, repr=False)
+    """Whether it is a region, not a predicate of the robot's state."""
 
 
 @dataclass(frozen=True)
@@ -170,6 +172,14 @@ def walk(formula: Formula) -> Iterator[Formula]:
 def atom_names(formula: Formula) -> tuple[str, ...]:
     """Names of the atoms in order of first appearance."""
     return tuple(dict.fromkeys(node.name for node in walk(formula) if isinstance(node, Atom)))
+
+
+def with_predicates(formula: Formula, names: Iterable[str]) -> Formula:
+    """The formula with the atoms of some names marked as no places."""
+    if isinstance(formula, Atom):
+        return replace(formula, place=False) if formula.name in names else formula
+    parts = tuple(with_predicates(each, names) for each in children(formula))
+    return with_children(formula, parts)
 
 
 def is_state_formula(formula: Formula) -> bool:

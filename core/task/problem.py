@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from core.task.grounding import FormulaArrays
+from core.task.inequalities import Inequalities, with_inequalities
 from core.task.protocols import Array, BodiedRobot, Robot, World
 
 SAMPLES_INSIDE = 64
@@ -38,6 +39,12 @@ class Problem:
     """Geodesic distances [M, G, G] from one subgoal's region to another's [m]."""
     on_body: Array | None = None
     """[A] 1 for atoms that the whole body is held against; None: its position decides all."""
+    between: Array | None = None
+    """Parts [S] of a step that have gone by where constraints are looked at, too, each in (0, 1).
+
+    None where only steps count."""
+    inequalities: Inequalities | None = None
+    """Predicates of the state, whose atoms come after the regions'; None where there are none."""
 
 
 def to_device(problem: Problem) -> Problem:
@@ -50,7 +57,15 @@ def atom_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
 
     In general, margins of the robot's position. Atoms that are `on_body` are entered as soon as any
     ball of the body touches them: the maximum, over position and balls, of margin plus radius.
+    Predicates of the state have margins and gradients of their own (`core.task.inequalities`).
     """
+    found = _region_margins(problem, state)
+    if problem.inequalities is None:
+        return found
+    return with_inequalities(problem.inequalities, problem.robot, state, found)
+
+
+def _region_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
     robot, margins_at = problem.robot, partial(problem.world.margins, problem.data)
     margin, gradient = margins_at(robot.position(state))
     if problem.on_body is None:
@@ -62,6 +77,13 @@ def atom_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
     deepest = jnp.where(problem.on_body > 0, margins.argmax(0), 0)
     atom = jnp.arange(margin.shape[0])
     return margins[deepest, atom], gradients[deepest, atom]
+
+
+def margins_between(problem: Problem, before: Array, after: Array) -> Array:
+    """mu_ext [S, A + P] in the states between two states [n], where the problem looks there."""
+    assert problem.between is not None
+    states = before + problem.between[:, None] * (after - before)
+    return jax.vmap(lambda state: extended_margins(problem, state)[0])(states)
 
 
 def extended_margins(problem: Problem, state: Array) -> tuple[Array, Array]:

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from core.stl import Formula
 from core.task.feasibility import Finding
 from core.task.grounding import Grounding
@@ -49,6 +51,20 @@ class Task:
     def formula(self) -> Formula:
         """The formula that decides success."""
         return self.grounding.decomposition.formula
+
+    @property
+    def between_steps(self) -> bool:
+        """Whether invariants must hold between the steps, too (see `core.between`)."""
+        return self.problem.between is not None
+
+    @property
+    def predicate_names(self) -> frozenset[str]:
+        """Names of the atoms that are predicates of the state, not regions."""
+        if self.problem.inequalities is None:
+            return frozenset()
+        atoms = self.grounding.atoms
+        rows = np.asarray(self.problem.inequalities.atom)
+        return frozenset(atoms[row] for row in rows if row < len(atoms))
 
     @property
     def horizon(self) -> int:

@@ -28,7 +28,7 @@ import jax.numpy as jnp
 from core.task.physics import Physics
 from core.task.protocols import Tuning
 from envs.ant.gait import REACH, shipped_gait
-from envs.ant.model import DT, POSITIONS, STANDING, STATE
+from envs.ant.model import DT, POSITIONS, STANDING, STATE, rotation
 from envs.robot import Robot, Workspace
 
 SimulatorName = Literal["native", "mjx", "brax"]
@@ -88,6 +88,22 @@ class Ant:
         *(f"{joint} rate {leg} [rad/s]" for leg in range(1, 5) for joint in ("hip", "ankle")),
     )
     action_names: tuple[str, ...] = ("waypoint x", "waypoint y")
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Of the torso: position and height, velocity, speed over ground, and lean from upright."""
+        return (
+            *("x [m]", "y [m]", "z [m]", "vx [m/s]", "vy [m/s]", "vz [m/s]"),
+            *("speed [m/s]", "tilt [rad]"),
+        )
+
+    def named(self, state: jax.Array) -> jax.Array:
+        """Values [8] of `quantities`."""
+        velocity = state[POSITIONS : POSITIONS + 3]
+        speed = jnp.sqrt((velocity[:2] ** 2).sum() + 1e-12)
+        upright = rotation(state[3:7], jnp)[2, 2]
+        tilt = jnp.arccos(jnp.clip(upright, -1.0, 1.0))
+        return jnp.concatenate([state[:3], velocity, jnp.stack([speed, tilt])])
 
     @property
     def variants(self) -> Mapping[str, Robot]:

@@ -12,6 +12,7 @@ from typing import cast
 
 import numpy as np
 
+from core.between import Between, between
 from core.monitor import monitor_rows
 from core.stl import to_text
 from core.task.task import Task
@@ -31,9 +32,10 @@ class RolloutTable:
         time: [T + 1] in [s].
         state: [T + 1, n], units in the names.
         action: [T, m], normalised, in [-1, 1] as the robot executed it.
-        margins: [T + 1, A] of the regions [m], >= 0 inside.
+        margins: [T + 1, A] of the regions [m], >= 0 inside, then of the predicates of the state.
         robustness: [T + 1, S] of the subformulas, the formula first [m]; NaN where undecided.
         schedule: [V] values of the variables [steps].
+        between: what the rollout does between its steps.
         moves: steps at which somebody has put the robot somewhere else.
     """
 
@@ -48,8 +50,10 @@ class RolloutTable:
     state_names: tuple[str, ...]
     action_names: tuple[str, ...]
     region_names: tuple[str, ...]
+    predicate_names: tuple[str, ...]
     subformulas: tuple[str, ...]
     variable_names: tuple[str, ...]
+    between: Between
     moves: tuple[int, ...] = ()
 
 
@@ -91,9 +95,11 @@ def rollout_table(  # noqa: PLR0913
         schedule=np.asarray(schedule, np.int64)[: len(variables)],
         state_names=robot.state_names,
         action_names=robot.action_names,
-        region_names=names,
+        region_names=tuple(name for name in names if name not in task.predicate_names),
+        predicate_names=tuple(name for name in names if name in task.predicate_names),
         subformulas=tuple(row.text for row in rows),
         variable_names=tuple(variable.name for variable in variables),
+        between=between(task, np.asarray(states)[:length]),
         moves=moves,
     )
 
@@ -106,6 +112,7 @@ def rollout_csv(table: RolloutTable) -> bytes:
         *(f"state {name}" for name in table.state_names),
         *(f"action {name}" for name in table.action_names),
         *(f"margin {name} [m]" for name in table.region_names),
+        *(f"margin {name}" for name in table.predicate_names),
         *(f"robustness {text} [m]" for text in table.subformulas),
     ]
     action = np.full((len(table.time), table.action.shape[1]), np.nan)
@@ -121,7 +128,7 @@ def rollout_csv(table: RolloutTable) -> bytes:
 
 def rollout_npz(table: RolloutTable) -> bytes:
     """Write a compressed npz of numbers and text; `numpy.load` needs no pickle."""
-    file = io.BytesIO()
+    file, found = io.BytesIO(), table.between
     np.savez_compressed(
         file,
         format=np.int64(FORMAT),
@@ -137,8 +144,13 @@ def rollout_npz(table: RolloutTable) -> bytes:
         state_names=np.array(table.state_names, np.str_),
         action_names=np.array(table.action_names, np.str_),
         region_names=np.array(table.region_names, np.str_),
+        predicate_names=np.array(table.predicate_names, np.str_),
         subformulas=np.array(table.subformulas, np.str_),
         variable_names=np.array(table.variable_names, np.str_),
+        between_margin=np.float64(found.margin),
+        between_invariant=np.str_("" if found.invariant is None else to_text(found.invariant)),
+        between_step=np.int64(found.step),
+        between_position=np.array(found.position, float),
         moves=np.array(table.moves, np.int64),
     )
     return file.getvalue()

@@ -96,6 +96,7 @@ def evaluate(options: Options) -> int:
         "seed": seed,
         "success_rate": evaluation.success_rate,
         "robustness_mean": evaluation.robustness_mean,
+        "between_rate": evaluation.between_rate,
         "initial_states": len(evaluation.robustness),
         **({"layouts": layouts, "layouts_mean": sum(layouts) / len(layouts)} if layouts else {}),
         "seconds": round(time.perf_counter() - began, 3),

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 
 from core.compilation import program
-from core.evaluation import trace_robustness
+from core.evaluation import rollout_robustness
 from core.methods.tgpo.controller import TgpoController
 from core.methods.tgpo.outcome import (
     OutcomeCritic,
@@ -50,7 +50,7 @@ def outcome_critic(robot_name: str, controller: TgpoController, seed: int) -> Ou
         states = start_states(task.problem, start_key, count=count)
         schedules, seen = _drawn(task.problem, controller, draw_key, states)
         rollout = roll_out(task, controller, states, schedules)
-        robustness = trace_robustness(task, np.asarray(rollout.margins))
+        robustness = rollout_robustness(task, rollout)
         features.append(np.asarray(seen))
         targets.append(outcome_targets(robustness, robot.length))
     return fit_outcome(np.stack(features), np.stack(targets), seed)

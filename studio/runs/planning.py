@@ -8,6 +8,7 @@ import jax
 import numpy as np
 
 from core.answer import answer, answer_jobs, tries
+from core.between import between
 from core.compilation import compile_together
 from core.controller import Controller
 from core.errors import UserError
@@ -49,6 +50,8 @@ def plan(options: Options) -> int:
         "satisfied": found.plan.satisfied,
         "success_rate": sample.success_rate,
         "robustness": found.plan.robustness,
+        "between": between(task, found.plan.states).document(),
+        "between_rate": sample.between_rate,
         "schedule": named_times(task, found.plan.schedule),
         "alternatives": [named_times(task, other.schedule) for other in found.alternatives],
         "answer_seconds": round(found.seconds, 3),
@@ -67,7 +70,7 @@ def sample_starts(task: Task, controller: Controller, count: int, seed: int) -> 
     """Verdicts from random initial states, one schedule each, in batches of one size."""
     key, size = jax.random.fold_in(jax.random.key(seed), 2**20), tries(task)
     batches = [
-        evaluate(task, controller, jax.random.fold_in(key, number), count=size)
+        evaluate(task, controller, jax.random.fold_in(key, number), count=size, between=True)
         for number in range(math.ceil(count / size))
     ]
     joined = [np.concatenate(parts)[:count] for parts in zip(*batches, strict=True)]

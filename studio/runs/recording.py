@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from core.between import Between, between, breach_text
 from core.decompose import Kind, task_name
-from core.evaluation import trace_robustness
+from core.evaluation import verdicts
 from core.monitor import Diagnosis, MonitorRow, diagnose, leaf_status, monitor_rows
 from core.settled import times_met
 from core.stl import robustness, to_math
@@ -48,14 +49,19 @@ class Recording:
     actions: np.ndarray  # [T, m] as the policy gave them, before clipping
     margins: np.ndarray  # [T + 1, A] of the regions [m]
     positions: np.ndarray  # [T + 1, 3] in [m], z = 0 for planar robots
-    robustness: float  # of the formula [m], -inf if the simulation diverged
+    robustness: float  # of the formula [m], -inf if the simulation diverged; see `satisfied`
     outcomes: tuple[Outcome, ...]
     moves: tuple[int, ...] = ()
     """Steps at which somebody has put the robot somewhere else."""
+    between: Between = Between(np.inf)
+    """What it does between the steps."""
 
     @property
     def satisfied(self) -> bool:
-        """The verdict: exact satisfaction of the formula by the simulated trace."""
+        """The verdict: exact satisfaction of the formula by the simulated trace.
+
+        Where the scene asks for it, between the steps, too.
+        """
         return self.robustness >= 0
 
     @property
@@ -67,7 +73,11 @@ class Recording:
     def diagnosis(self) -> Diagnosis:
         """What decided the verdict."""
         names = self.task.grounding.atoms
-        return diagnose(self.task.formula, self.margins, names, self.task.robot.dt)
+        found = diagnose(self.task.formula, self.margins, names, self.task.robot.dt)
+        if self.satisfied or not found.satisfied:
+            return found
+        sentence = f"Violated: it holds at every step, but {breach_text(self.between)}."
+        return Diagnosis(False, self.robustness, sentence, self.between.step)
 
     @cached_property
     def rows(self) -> tuple[MonitorRow, ...]:
@@ -114,9 +124,9 @@ def record(
     position = np.asarray(task.robot.position(states))  # pyright: ignore[reportArgumentType]
     flat = np.zeros((length, 3))
     flat[:, : position.shape[1]] = position
-    verdict = float(trace_robustness(task, margins[:, None, :])[0])
-    outcomes = _outcomes(task, chosen, margins)
-    return Recording(task, chosen, states, actions, margins, flat, verdict, outcomes, moves)
+    verdict = float(verdicts(task, states[:, None], margins[:, None])[0])
+    outcomes, found = _outcomes(task, chosen, margins), between(task, states)
+    return Recording(task, chosen, states, actions, margins, flat, verdict, outcomes, moves, found)
 
 
 def _outcomes(task: Task, schedule: tuple[int, ...], margins: np.ndarray) -> tuple[Outcome, ...]:

@@ -228,6 +228,7 @@ class Run:
             "seed": config.training.seed,
             "success_rate": evaluation.success_rate,
             "robustness_mean": evaluation.robustness_mean,
+            "between_rate": evaluation.between_rate,
             "epochs": self.epochs,
             "env_steps": self.epochs * steps,
             "train_seconds": 0.0 if self.state is None else round(float(self.state.seconds), 3),

@@ -7,10 +7,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from core.between import SUBSTEPS
 from core.compilation import program
 from core.decompose import Decomposition, DecompositionError, decompose
 from core.stl import Atom, Formula, Not, children, negation_normal_form
 from core.task.grounding import MAX_ATOMS, Grounding, ground
+from core.task.inequalities import Inequalities, inequality_arrays
 from core.task.problem import SAMPLES_INSIDE, Problem, to_device
 from core.task.protocols import Array, Robot, has_body
 from core.task.task import Task
@@ -19,6 +21,7 @@ from scenes import (
     GridWorld,
     Scene,
     goal_geometry,
+    inequality_of,
     robot_of,
     scene_formula,
     walls,
@@ -52,7 +55,7 @@ def ground_scene(scene: Scene, visits_extra: int = 0) -> Grounding:
     Raises:
         UserError: a formula that is malformed, cannot be grounded or is too large.
     """
-    return ground(decompose_scene(scene, visits_extra), scene.region_names, scene.horizon)
+    return ground(decompose_scene(scene, visits_extra), scene.atom_names, scene.horizon)
 
 
 def build_task(
@@ -162,8 +165,17 @@ def _problem(
             jnp.asarray(center),
             jnp.asarray(legs),
             _on_body(scene, world, grounding) if has_body(robot) else None,
+            jnp.arange(1, SUBSTEPS) / SUBSTEPS if scene.between_steps else None,
+            _inequalities(scene) if scene.predicates else None,
         )
     )
+
+
+def _inequalities(scene: Scene) -> Inequalities:
+    """The predicates of the state; their atoms follow the regions'."""
+    robot = robot_of(scene)
+    found = [inequality_of(each, robot) for each in scene.predicates]
+    return inequality_arrays(found, robot, len(scene.regions), MAX_ATOMS)
 
 
 def _padded_fields(count: int) -> int:

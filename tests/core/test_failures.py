@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from core.failures import _commonest, failure_text
+from core.failures import _between, _commonest, failure_text
 from tests.core.toy import CENTERS, disc_margins, toy_task
 
 STEPS = 17
@@ -48,3 +48,14 @@ def test_numbers_that_are_not_finite_fail():
     task = toy_task("F_[0:9](A)")
     failure = _commonest(task, np.full((2, STEPS, 4), np.nan), np.array([[3], [3]]))
     assert failure is not None and failure.share == 1.0
+
+
+def test_what_fails_between_the_steps_where_that_counts():
+    """Past D, whose radius is 0.6 m, from one side to the other at step 5."""
+    task = toy_task("F_[0:9](!A) & G_[2:9](!D)")
+    x, y = CENTERS["D"]
+    places = np.array([(x - 1.0, y)] * 6 + [(x + 1.0, y)] * (STEPS - 6))[None]
+    given = task, disc_margins(places), np.array([[3]])
+    assert _commonest(*given) is None
+    failure = _commonest(*given, _between(task, places))
+    assert failure is not None and (failure.task, failure.step) == (1, 5)

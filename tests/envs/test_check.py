@@ -51,6 +51,26 @@ VALUES: list[tuple[dict[str, Any], str]] = [
 ]
 
 
+@pytest.mark.parametrize(
+    ("quantities", "message"),
+    [
+        (("x [m]", "x [m]"), "quantities: 'x' must be a word, and be there once"),
+        (("x [m]", "y-speed [m/s]"), "quantities: 'y-speed' must be a word"),
+        (("x [m]",), "named: returns shape [2]"),
+    ],
+)
+def test_named_quantities_are_words_and_as_many_as_values(quantities, message):
+    @dataclass(frozen=True)
+    class Naming(Linear):
+        quantities: tuple[str, ...] = ()
+
+        def named(self, state):
+            return state
+
+    findings = [str(finding) for finding in check_robot(Naming(quantities=quantities))]
+    assert any(message in finding for finding in findings), findings
+
+
 @pytest.mark.parametrize(("changed", "message"), VALUES)
 def test_a_wrong_value_is_named(changed, message):
     findings = [str(finding) for finding in check_robot(replace(Linear(), **changed))]

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.compilation import Program, program, shape_of
-from core.evaluation import trace_robustness
+from core.evaluation import verdicts
 from core.mdp.mode import first_views
 from core.memory import require_memory
 from core.methods.method import Epoch
@@ -204,7 +204,7 @@ class TgpoLearner:
     def _with_terminal_robustness(self, batch: Batch) -> Batch:
         """Add the formula's robustness to the last reward of each first episode (Sec. 4.2)."""
         margins = np.asarray(_margins(self.task.problem, batch.states))
-        score = trace_robustness(self.task, margins)
+        score = verdicts(self.task, np.asarray(batch.states), margins)
         final = np.where(np.isfinite(score), score, 0.0)  # who broke down has been punished
         paid = self.algorithm.mode.scale * jnp.float32(final)
         reward = jnp.asarray(batch.reward).at[self.task.horizon - 1].add(paid)

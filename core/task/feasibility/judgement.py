@@ -21,6 +21,7 @@ from core.task.feasibility.places import Geometry, Places
 from core.task.feasibility.remedy import remedy
 from core.task.feasibility.search import Search
 from core.task.feasibility.starts import start_findings
+from core.task.feasibility.thin import thin_findings
 from core.task.feasibility.travel import Fastest, Planned
 from core.task.feasibility.wording import Wording, extent
 from core.task.protocols import Robot, begins_exactly
@@ -39,6 +40,7 @@ class Mission:
         starts: Positions [P, d] of the initial set, spread evenly [m].
         robot: Who carries it out.
         arena: (low, high) of each axis, where ways are planned [m].
+        between_steps: Whether invariants must hold between the steps, too.
     """
 
     formula: Formula
@@ -46,6 +48,7 @@ class Mission:
     starts: np.ndarray
     robot: Robot
     arena: tuple[tuple[float, float], ...]
+    between_steps: bool = False
 
     @property
     def start(self) -> Atom:
@@ -69,7 +72,10 @@ def judge(mission: Mission) -> tuple[Finding, ...]:
         found = _impossible(plan, plan, Severity.WARNING, mission.starts)
         if not found:
             found = start_findings(plan, mission.starts)
-    return tuple(found + _outside(mission, obligations, geometry))
+    found += _outside(mission, obligations, geometry)
+    if not mission.between_steps:
+        found += thin_findings(obligations, bounds, mission.places, mission.robot)
+    return tuple(found)
 
 
 def _impossible(

@@ -11,7 +11,7 @@ from dataclasses import replace
 from core.errors import UserError, allowed
 from core.task.grounding import MAX_ATOMS
 from envs import ENVS
-from scenes import Region, Scene, unit_of
+from scenes import Predicate, Region, Scene, unit_of
 from scenes.arena import Arena
 from scenes.checks import LONGEST_NAME
 from studio.page.editing.history import History
@@ -107,13 +107,13 @@ class Document:
 
     def add_shape(self, shape: Region, prefix: str = "A") -> str:
         """Add a region of a shape under the first free name; returns the name."""
-        name = free_name(prefix, self.scene.region_names)
+        name = free_name(prefix, self.scene.atom_names)
         return self._add(f"add {name}", replace(shape, name=name))
 
     def duplicate(self, name: str) -> str:
         """Add a copy of a region, slightly offset; returns its name."""
         region, shift = self.region(name), SHIFT * unit_of(self.scene)
-        copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.region_names)
+        copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.atom_names)
         x, y, *rest = region.center
         moved = replace(region, name=copy).at((x + shift, y - shift, *rest))
         return self._add(f"duplicate {name}", moved)
@@ -164,9 +164,10 @@ class Document:
     def rename(self, name: str, new: str) -> None:
         """Rename a region, in the formula too."""
         region = self.region(name)
-        names = self.scene.region_names
+        names = self.scene.atom_names
         if new != name and new in names:
-            raise EditError(f"name: {new!r} is already the name of another region")
+            other = "another region" if new in self.scene.region_names else "a predicate"
+            raise EditError(f"name: {new!r} is already the name of {other}")
         renamed = replace(region, name=new)
         formula = rename_in_formula(
             self.scene.formula,
@@ -207,6 +208,16 @@ class Document:
     def set_formula(self, text: str, gesture: str | None = None) -> None:
         """Change the text of the formula, valid or not."""
         self._record("edit the formula", replace(self.scene, formula=text), gesture)
+
+    def set_predicates(self, predicates: Sequence[Predicate]) -> None:
+        """Change the predicates of the robot's state; a formula that names them stays."""
+        scene = replace(self.scene, predicates=tuple(predicates))
+        self._record("change the predicates", scene)
+
+    def set_between_steps(self, asked: bool) -> None:
+        """Change whether invariants must hold between the steps, too."""
+        scene = replace(self.scene, between_steps=asked)
+        self._record("change what counts between the steps", scene)
 
     def set_horizon(self, steps: int, gesture: str | None = None) -> None:
         """Change the scene's horizon, the minimum length of an episode."""

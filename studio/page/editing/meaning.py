@@ -26,27 +26,31 @@ class Meaning:
         robot: its name and variant.
         formula: the formula over `0`, `1`, ... instead of names; its text if it cannot be read.
         steps: of an episode, max(T, horizon of the formula).
-        shapes: of the regions that the formula names, in the order of first appearance; of all
-            regions, if it cannot be parsed.
+        shapes: of the regions that the formula names, in the order of first appearance, and the
+            texts of predicates; of all, if it cannot be parsed.
         initial: shape of the initial set.
         arena: where ways are planned, (low, high) of each axis [m].
         names: of the regions in `shapes`.
+        between_steps: whether invariants must hold between the steps.
+        names: of the regions and predicates in `shapes`.
     """
 
     robot: tuple[str, str]
     formula: Formula | str
     steps: int
-    shapes: tuple[Shape, ...]
+    shapes: tuple[Shape | str, ...]
     initial: Shape
     arena: Arena
+    between_steps: bool
     names: tuple[str, ...] = field(compare=False)
 
 
 @lru_cache(maxsize=64)
 def meaning(scene: Scene) -> Meaning:
     """Extract what training depends on."""
-    names = scene.region_names
-    shapes = {region.name: _shape(region) for region in scene.regions}
+    names = scene.atom_names
+    shapes: dict[str, Shape | str] = {region.name: _shape(region) for region in scene.regions}
+    shapes |= {predicate.name: predicate.text for predicate in scene.predicates}
     try:
         read = scene_formula(scene)
     except UserError:
@@ -55,8 +59,8 @@ def meaning(scene: Scene) -> Meaning:
         used, steps = atom_names(read), max(scene.horizon, horizon(read))
         formula = _numbered(read, {name: str(index) for index, name in enumerate(used)})
     found = tuple(shapes[name] for name in used)
-    robot, arena = (scene.robot, scene.variant), workspace_of(scene).arena
-    return Meaning(robot, formula, steps, found, _shape(scene.initial), arena, used)
+    robot, arena, initial = (scene.robot, scene.variant), workspace_of(scene).arena, scene.initial
+    return Meaning(robot, formula, steps, found, _shape(initial), arena, scene.between_steps, used)
 
 
 def differences(trained: Scene, scene: Scene) -> tuple[str, ...]:
@@ -77,11 +81,17 @@ def differences(trained: Scene, scene: Scene) -> tuple[str, ...]:
         if then.steps != now.steps:
             found.append("the horizon")
         pairs = zip(now.names, then.shapes, now.shapes, strict=False)
-        found += [f"region {quote_name(name)}" for name, old, new in pairs if old != new]
+        found += [
+            f"{'predicate' if isinstance(new, str) else 'region'} {quote_name(name)}"
+            for name, old, new in pairs
+            if old != new
+        ]
     if then.initial != now.initial:
         found.append("the initial set")
     if then.arena != now.arena:
         found.append("the arena")
+    if then.between_steps != now.between_steps:
+        found.append("what counts between the steps")
     if then != now and not found:
         found.append("the regions")
     return tuple(found)

@@ -64,7 +64,7 @@ def palette_html(scene: Scene) -> str:
         _key(label, text.replace("{T}", str(scene.horizon)), hint)
         for label, text, hint in OPERATORS
     )
-    names = "".join(_key(name, quote_name(name), "") for name in scene.region_names)
+    names = "".join(_key(name, quote_name(name), "") for name in scene.atom_names)
     return f'<div class="tg tg-palette"><div class="tg-chips">{operators}{names}</div></div>'
 
 

@@ -4,6 +4,7 @@ from functools import partial
 
 import viser
 
+from core.between import between_sentence
 from studio.page.figures.svg import escape
 from studio.page.figures.timeline import timeline_svg
 from studio.page.panels.html import Html, note
@@ -87,7 +88,8 @@ def verdict_html(recording: Recording) -> str:
     )
     color_of_why = "inherit" if recording.satisfied else BAD
     why = escape(recording.diagnosis.sentence)
-    remark = f'<div class="tg-why" style="color:{color_of_why}">{why}</div>' + _detour(recording)
+    remark = f'<div class="tg-why" style="color:{color_of_why}">{why}</div>'
+    remark += _between(recording) + _detour(recording)
     return (
         f'<div style="margin-bottom:0.4em"><span class="tg-badge" style="background:{color}">'
         f"{word}</span> &nbsp;robustness {recording.robustness:+.2f} m"
@@ -102,6 +104,16 @@ def _invitation(session: Session) -> str:
     else:
         text = "Train, then click a cell of the heatmap to roll out its schedule."
     return f'<div class="tg tg-dim">{text}</div>'
+
+
+def _between(recording: Recording) -> str:
+    """What the rollout does between its steps, unless the verdict says so already."""
+    found, satisfied = recording.between, recording.satisfied
+    text = between_sentence(found, satisfied=satisfied)
+    if not text or (not satisfied and recording.task.between_steps):
+        return ""
+    color = "inherit" if found.holds else BAD
+    return f'<div class="tg-between" style="color:{color}">{escape(text)}.</div>'
 
 
 def _detour(recording: Recording) -> str:

@@ -20,7 +20,8 @@ from tests.studio.runs.test_commands import here, run
 __all__ = ["here"]
 
 FIELDS = [
-    *("task", "satisfied", "success_rate", "robustness", "schedule", "alternatives"),
+    *("task", "satisfied", "success_rate", "robustness", "between", "between_rate"),
+    *("schedule", "alternatives"),
     *("answer_seconds", "compile_seconds", "weights"),
 ]
 
@@ -56,7 +57,7 @@ def test_a_plan_is_one_line(here, capsys, weights):
     assert list(line["schedule"]) == ["t1", "t2", "t3"]
     assert line["success_rate"] * 5 == pytest.approx(round(line["success_rate"] * 5))
     status, (again,), _ = run(capsys, *plan)
-    assert [again[name] for name in FIELDS[:6]] == [line[name] for name in FIELDS[:6]]
+    assert [again[name] for name in FIELDS[:8]] == [line[name] for name in FIELDS[:8]]
 
 
 def test_a_plan_leaves_a_bundle(here, capsys, weights):

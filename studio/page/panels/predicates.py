@@ -1,0 +1,102 @@
+"""Predicates of the robot's state as text, one a line, and what counts between the steps."""
+
+import time
+from collections.abc import Sequence
+from functools import partial
+
+import viser
+
+from core.errors import UserError
+from core.task.quantities import quantities_of
+from scenes import Predicate, Scene, robot_of
+from studio.page.figures.svg import escape
+from studio.page.panels.html import Html
+from studio.page.session import Session
+
+PAUSE = 0.6
+"""Pause in typing after which the text is applied [s]."""
+
+LONGEST_TEXT = 4000
+
+
+class PredicateFields:
+    """A text field of lines `slow: v <= 1`, the names that there are, and a checkbox."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session) -> None:
+        self._shown = predicates_text(session.document.scene.predicates)
+        self._field = gui.add_text("Predicates", self._shown, multiline=True)
+        self._hint = Html(gui)
+        self._between = gui.add_checkbox(
+            "Also between steps",
+            session.document.scene.between_steps,
+            hint="What must always hold must hold between the steps, too",
+        )
+        self._typed: tuple[str, float] | None = None
+
+        @self._field.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                self._typed = event.target.value[:LONGEST_TEXT], time.monotonic() + PAUSE
+
+        @self._between.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                session.post(partial(_ask_between, session, event.target.value))
+
+    def draw(self, session: Session) -> None:
+        """Apply what was typed when typing pauses; show what was changed elsewhere."""
+        scene = session.document.scene
+        typed = self._typed
+        if typed is not None and time.monotonic() >= typed[1]:
+            self._typed = None
+            session.post(partial(take, session, typed[0]))
+            self._shown = predicates_text(scene.predicates)
+        elif typed is None and predicates_text(scene.predicates) != self._shown:
+            self._shown = self._field.value = predicates_text(scene.predicates)
+        if self._between.value != scene.between_steps:
+            self._between.value = scene.between_steps
+        self._hint.show(_names(scene))
+
+
+def predicates_text(predicates: Sequence[Predicate]) -> str:
+    """One line for each predicate."""
+    return "\n".join(f"{each.name}: {each.text}" for each in predicates)
+
+
+def read_predicates(text: str) -> tuple[Predicate, ...]:
+    """The predicates of a text with one a line; empty lines are left out.
+
+    Raises:
+        UserError: a line without a colon, or with an unfit name.
+    """
+    found = []
+    for line in filter(None, map(str.strip, text.splitlines())):
+        name, colon, inequality = line.partition(":")
+        if not colon:
+            raise UserError(f"predicates: {line!r} must be a name and an inequality: slow: v <= 1")
+        found.append(Predicate(name.strip(), inequality.strip()))
+    return tuple(found)
+
+
+def take(session: Session, text: str) -> None:
+    """Make the predicates what a text says.
+
+    Raises:
+        UserError: the text is malformed, or does not fit the robot; nothing is changed.
+    """
+    predicates = read_predicates(text)
+    if predicates != session.document.scene.predicates:
+        session.document.set_predicates(predicates)
+
+
+def _ask_between(session: Session, asked: bool) -> None:
+    if asked != session.document.scene.between_steps:
+        session.document.set_between_steps(asked)
+
+
+def _names(scene: Scene) -> str:
+    names = ", ".join(
+        f"{each.name} [{each.unit}]" if each.unit else each.name
+        for each in quantities_of(robot_of(scene))
+    )
+    return f'<div class="tg tg-dim tg-quantities">slow: v &lt;= 1 — of {escape(names)}</div>'
