@@ -128,6 +128,11 @@ def load_weights(path: Path, task: Task) -> Pretrained:
             f"{task.robot.name!r}"
         )
     algorithm = read_algorithm(card.algorithm, card.method, card.mode, str(document))
+    if not METHODS[card.method].chooses_times:
+        raise DocumentError(
+            f"{document}: method: weights of {card.method} do not serve every task; train them "
+            "with --train-only. Allowed: tgpo, tgpo-star"
+        )
     weights = load_tree(path, weights_like(task, card.method, algorithm), kind="weights")
     require_finite(weights, str(path))
     return Pretrained(algorithm, weights, card)

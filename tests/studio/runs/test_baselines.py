@@ -17,7 +17,8 @@ from studio.cli import main
 from studio.runs.bundle import Policy, load_bundle, save_bundle
 from studio.runs.config import RunConfig, make_config, read_config
 from studio.runs.controller import functions_of
-from studio.runs.json_documents import DocumentError, write_document
+from studio.runs.json_documents import DocumentError, algorithm_document, write_document
+from studio.runs.pretrained import FORMAT, Card, load_weights
 from studio.runs.tasks import build_task, initial_state
 
 BASELINES = [name for name, method in METHODS.items() if not method.chooses_times]
@@ -137,6 +138,27 @@ def test_weights_and_many_layouts_are_refused(name):
 def test_no_plan_without_training(capsys):
     assert main(["--plan", "--task", "linear-01", "--method", "cem", "--no-cache"]) == 2
     assert "--method cannot be used with --plan: it answers by tgpo" in capsys.readouterr().err
+
+
+def test_weights_for_plans_are_those_of_methods_that_choose_times(task, tmp_path):
+    card = Card(
+        format=FORMAT,
+        robot="linear",
+        mode="studio",
+        method="cem",
+        seed=0,
+        epochs=1,
+        env_steps=1,
+        train_seconds=1.0,
+        families=(),
+        held_out=(),
+        algorithm=algorithm_document(small("cem")),
+    )
+    write_document(tmp_path / "w.json", card)
+    with pytest.raises(
+        DocumentError, match="weights of cem do not serve every task.*Allowed: tgpo"
+    ):
+        load_weights(tmp_path / "w.safetensors", task)
 
 
 def test_a_formula_outside_of_the_fragment_leaves_no_folder(tmp_path, capsys, disk_cache):
