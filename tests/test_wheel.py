@@ -75,5 +75,7 @@ def test_gymnasium_finds_the_wheel_s_tasks_without_an_import_of_ours(installed, 
 
 def test_the_wheel_carries_data_and_licence_but_no_tests(installed):
     assert (installed / "scenes" / "linear" / "01.toml").exists()
+    assert (installed / "studio" / "bench" / "matrices" / "smoke.toml").exists()
+    assert (installed / "studio" / "bench" / "published.toml").exists()
     assert list(installed.glob("tgpo_studio-*.dist-info/licenses/LICENSE"))
     assert not (installed / "tests").exists()

@@ -252,7 +252,7 @@ class _Search:
         found, bound = self.found, self.bound
         status: Status = "feasible"
         if bound < -SLACK:
-            status = "infeasible"
+            status, bound = "infeasible", -np.inf
         elif found.robustness < 0:
             status, found = "unknown", NOTHING
         elif bound <= self._least():
