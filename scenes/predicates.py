@@ -45,6 +45,8 @@ class Predicate:
 
     def __post_init__(self):
         check_name(self.name)
+        if ":" in self.name or ";" in self.name:
+            raise SceneError(f"name: {self.name!r} must be without ':' and ';'")
         if not isinstance(self.text, str) or len(self.text) > LONGEST_TEXT:
             raise SceneError(f"must be text of at most {LONGEST_TEXT} characters, as in 'v <= 1'")
 

@@ -73,10 +73,11 @@ def test_a_recording_says_where_it_went_through(tasks):
 
 
 def test_thin_walls_are_warned_of_unless_they_are_looked_at():
-    (first, *rest) = findings_of(closed_room(between_steps=False))
-    assert len(rest) == 3 and not first.proved
-    assert str(first).startswith(
-        "warning: left is 0.07 m thick, but the robot moves about 0.40 m a step"
+    (finding,) = findings_of(closed_room(between_steps=False))
+    assert not finding.proved and finding.tasks == ("!left", "!right", "!below", "!above")
+    assert str(finding).startswith(
+        "warning: left, right, below, above are 0.07 m thick, but the robot moves about 0.40 m a "
+        "step: it may go through between two steps"
     )
     assert findings_of(closed_room(between_steps=True)) == ()
 

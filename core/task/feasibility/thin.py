@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from core.monitor.wording import metres
+from core.quoting import listed
 from core.stl import Atom, Not, quote_name
 from core.task.feasibility.bounds import Bounds
 from core.task.feasibility.finding import Finding, Severity
@@ -24,7 +25,7 @@ ACROSS, ROUNDS = 9, 8
 def thin_findings(
     obligations: Obligations, bounds: Bounds, places: Places, robot: Robot
 ) -> list[Finding]:
-    """A warning for each obstacle that is thinner than a step is long."""
+    """Warnings of the obstacles that are thinner than a step is long."""
     forbidden = [
         hold.predicate.operand.name
         for hold in obligations.holds
@@ -32,17 +33,22 @@ def thin_findings(
         and isinstance(hold.predicate.operand, Atom)
         and bounds.between(hold.start, hold.end) > 0
     ]
-    found = []
+    thin: dict[str, list[str]] = {}
     for name in dict.fromkeys(forbidden):
         thick = thickness(places, places.names.index(name))
         if 0 < thick < robot.speed:
-            words = (
-                f"{quote_name(name)} is {metres(thick)} thick, but the robot moves about "
-                f"{metres(robot.speed)} a step: it may go through it between two steps, which "
-                "the formula does not see; `between_steps = true` in the scene forbids that"
-            )
-            found.append(Finding(Severity.WARNING, words, (f"!{quote_name(name)}",)))
-    return found
+            thin.setdefault(metres(thick), []).append(quote_name(name))
+    return [_finding(names, thick, metres(robot.speed)) for thick, names in thin.items()]
+
+
+def _finding(names: list[str], thick: str, step: str) -> Finding:
+    """Of obstacles of one thickness."""
+    words = (
+        f"{listed(names)} {'is' if len(names) == 1 else 'are'} {thick} thick, but the robot moves "
+        f"about {step} a step: it may go through between two steps, which the formula does not "
+        "see; `between_steps = true` in the scene forbids that"
+    )
+    return Finding(Severity.WARNING, words, tuple(f"!{name}" for name in names))
 
 
 def thickness(places: Places, i: int) -> float:

@@ -1,4 +1,4 @@
-"""Predicates of the robot's state as text, one a line, and what counts between the steps."""
+"""Predicates of the robot's state as one text, and what counts between the steps."""
 
 import time
 from collections.abc import Sequence
@@ -20,11 +20,11 @@ LONGEST_TEXT = 4000
 
 
 class PredicateFields:
-    """A text field of lines `slow: v <= 1`, the names that there are, and a checkbox."""
+    """A text field `slow: v <= 1; high: z >= 2`, the names that there are, and a checkbox."""
 
     def __init__(self, gui: viser.GuiApi, session: Session) -> None:
         self._shown = predicates_text(session.document.scene.predicates)
-        self._field = gui.add_text("Predicates", self._shown, multiline=True)
+        self._field = gui.add_text("Predicates", self._shown)
         self._hint = Html(gui)
         self._between = gui.add_checkbox(
             "Also between steps",
@@ -59,21 +59,21 @@ class PredicateFields:
 
 
 def predicates_text(predicates: Sequence[Predicate]) -> str:
-    """One line for each predicate."""
-    return "\n".join(f"{each.name}: {each.text}" for each in predicates)
+    """The predicates as one types them: `slow: v <= 1; high: z >= 2`."""
+    return "; ".join(f"{each.name}: {each.text}" for each in predicates)
 
 
 def read_predicates(text: str) -> tuple[Predicate, ...]:
-    """The predicates of a text with one a line; empty lines are left out.
+    """The predicates of a text, separated by semicolons.
 
     Raises:
-        UserError: a line without a colon, or with an unfit name.
+        UserError: a part without a colon, or with an unfit name.
     """
     found = []
-    for line in filter(None, map(str.strip, text.splitlines())):
-        name, colon, inequality = line.partition(":")
+    for part in filter(None, map(str.strip, text.split(";"))):
+        name, colon, inequality = part.partition(":")
         if not colon:
-            raise UserError(f"predicates: {line!r} must be a name and an inequality: slow: v <= 1")
+            raise UserError(f"predicates: {part!r} must be a name and an inequality: slow: v <= 1")
         found.append(Predicate(name.strip(), inequality.strip()))
     return tuple(found)
 

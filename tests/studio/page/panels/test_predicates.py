@@ -16,10 +16,10 @@ def session():
     return SimpleNamespace(document=Document(load_task("unicycle-demo")))
 
 
-def test_lines_are_predicates():
+def test_a_text_is_predicates():
     predicates = (SLOW, Predicate("a b", "|theta| <= 0.3"))
     assert read_predicates(predicates_text(predicates)) == predicates
-    assert read_predicates(" \n slow :  v <= 1 \n\n") == (SLOW,)
+    assert read_predicates(" ; slow :  v <= 1 ;") == (SLOW,)
     assert read_predicates("") == ()
 
 
@@ -47,7 +47,7 @@ def test_what_a_training_depends_on(session):
     session.document.set_formula("F_[0:50](A1 & slow)")
     trained = session.document.scene
     assert session.document.matches(trained)
-    take(session, "slow: v <= 1\nfast: v >= 2")  # the formula does not name it
+    take(session, "slow: v <= 1; fast: v >= 2")  # the formula does not name it
     assert session.document.matches(trained)
     take(session, "slow: v <= 2")
     assert not session.document.matches(trained)
