@@ -113,8 +113,9 @@ class Analyst:
                 return
             if known is None or known.task.grounding is not task.grounding:
                 self.view = MapView()
-                if self._request is not None and self._request.schedule is not None:
-                    self._request = None  # of another formula
+                waiting = self._request
+                if waiting is not None and (waiting.schedule or waiting.move) is not None:
+                    self._request = None  # of another task
             self._subject = Subject(
                 training.identity,
                 task,
