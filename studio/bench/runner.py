@@ -9,7 +9,7 @@ import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -92,7 +92,8 @@ def _run(store: Store, job: Job, alive: deque[subprocess.Popen[str]]) -> Outcome
         _send(process.stdin, job)
         status = process.wait()
         alive.remove(process)
-    if process.stdin is not None:
+    assert process.stdin is not None
+    with suppress(BrokenPipeError):  # what it has not read is written once more
         process.stdin.close()
     if status == 0 and store.finished(job.key):
         return Outcome(job, "")
@@ -102,11 +103,9 @@ def _run(store: Store, job: Job, alive: deque[subprocess.Popen[str]]) -> Outcome
 def _send(pipe: IO[str] | None, job: Job) -> None:
     """Send a job; the pipe stays open, as its end ends the process."""
     assert pipe is not None
-    try:
+    with suppress(BrokenPipeError):  # the process has ended, and its log says why
         pipe.write(msgspec.json.encode(job).decode() + "\n")
         pipe.flush()
-    except BrokenPipeError:  # the process has ended, and its log says why
-        pass
 
 
 def _last_lines(log: Path) -> str:
