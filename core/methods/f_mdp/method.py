@@ -4,10 +4,10 @@ App. A.3 (after Venkataraman et al. 2020, who learn by tabular Q-learning). The 
 what its version in PPO is paid. Here it is paid, at every step, the rise of what the flags have
 met,
 
-    r_k = sum over flags of (y_k - y_{k-1}),    y = z/w for a G, and 1(z > 0) for an F,
+    r_k = mean over flags of (y_k - y_{k-1}),    y = z/w for a G, and 1(z > 0) for an F,
 
-in robot lengths, and the robustness at the end, as the other baselines are. The sum telescopes: an
-episode earns as much as it has met at its end, however it came there.
+in robot lengths, and the robustness at the end, as the other baselines are. The sum over an episode
+telescopes: it earns the share of the subformulas that it has met at its end, however it came there.
 
 Dimensions: S flags (padded), L literals, A atoms, n state.
 """
@@ -72,11 +72,12 @@ class FlagHistory:
     def observe(self, problem: Problem, data: FlagArrays, memory: Flags, state: Array) -> Observed:
         """The flags with a further state [n]."""
         margin, _ = atom_margins(problem, state)
-        risen = jnp.where(data.always, jnp.minimum(memory.level + 1, data.width), data.width)
-        fallen = jnp.where(data.always, 0, jnp.maximum(memory.level - 1, 0))
+        held = jnp.where(data.always, jnp.minimum(memory.level + 1, data.width), data.width)
+        missed = jnp.where(data.always, 0, jnp.maximum(memory.level - 1, 0))
         read = (data.first <= memory.step) & (memory.step <= data.last)
-        level = jnp.where(read, jnp.where(_holds(data, margin), risen, fallen), memory.level)
-        paid = (_met(data, level) - _met(data, memory.level)).sum()
+        level = jnp.where(read, jnp.where(_holds(data, margin), held, missed), memory.level)
+        risen = (_met(data, level) - _met(data, memory.level)).sum()
+        paid = risen / jnp.maximum((data.width > 0).sum(), 1)
         own = state_features(problem, state, memory.step)
         features = jnp.concatenate([own, _share(data, level)])
         return Observed(Flags(level, memory.step + 1), features, paid)

@@ -98,7 +98,7 @@ def test_dynamics_without_gradients_teach_nothing():
     task = toy_task(REACH_AND_STAY, robot=Quantised())
     before, after = learnt(task, "grad")
     assert before == after == 0
-    assert learnt(task, "cem")[1] > 0.8
+    assert learnt(task, "cem")[1] > 0.5
 
 
 @pytest.mark.parametrize(
