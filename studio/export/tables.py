@@ -36,6 +36,7 @@ class RolloutTable:
         robustness: [T + 1, S] of the subformulas, the formula first [m]; NaN where undecided.
         schedule: [V] values of the variables [steps].
         between: what the rollout does between its steps.
+        satisfied: the verdict, between the steps, too, where the task asks for it.
         moves: steps at which somebody has put the robot somewhere else.
     """
 
@@ -54,6 +55,7 @@ class RolloutTable:
     subformulas: tuple[str, ...]
     variable_names: tuple[str, ...]
     between: Between
+    satisfied: bool
     moves: tuple[int, ...] = ()
 
 
@@ -82,6 +84,7 @@ def rollout_table(  # noqa: PLR0913
     margins = np.asarray(margins, float)[:length, : len(names)]
     rows = monitor_rows(task.formula, margins, names)
     robustness = np.full((length, len(rows)), np.nan)
+    found = between(task, np.asarray(states)[:length])
     for column, row in enumerate(rows):
         robustness[: len(row.signal), column] = row.signal
     return RolloutTable(
@@ -99,7 +102,8 @@ def rollout_table(  # noqa: PLR0913
         predicate_names=tuple(name for name in names if name in task.predicate_names),
         subformulas=tuple(row.text for row in rows),
         variable_names=tuple(variable.name for variable in variables),
-        between=between(task, np.asarray(states)[:length]),
+        between=found,
+        satisfied=bool(robustness[0, 0] >= 0) and (found.holds or not task.between_steps),
         moves=moves,
     )
 
@@ -134,7 +138,7 @@ def rollout_npz(table: RolloutTable) -> bytes:
         format=np.int64(FORMAT),
         task=np.str_(table.task),
         formula=np.str_(table.formula),
-        satisfied=np.bool_(table.robustness[0, 0] >= 0),
+        satisfied=np.bool_(table.satisfied),
         time=table.time,
         state=table.state,
         action=table.action,
