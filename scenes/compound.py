@@ -9,7 +9,8 @@ as its excess in the plane, a prism is
 A union's margin is the largest of its parts': exact outside and zero on the boundary; inside it is
 no more than the depth.
 
-Dimensions: A regions, R rows of shapes, Q polygons, E corners (all padded), d of the space.
+Dimensions: A regions, M parts of a region, R rows of shapes, Q polygons, E corners (all padded), d
+of the space.
 """
 
 from collections.abc import Sequence
@@ -38,7 +39,8 @@ class Compound(NamedTuple):
     turn: jax.Array  # [R, 2] cosine and sine of the rows' angles
     corners: jax.Array  # [Q, E, 2] counter-clockwise, the last one repeated [m]
     height: jax.Array  # [Q, 2] middle and half height [m]
-    owner: jax.Array  # [A, R + Q] bool: which rows and polygons a region consists of
+    parts: jax.Array  # [A, M] int32: rows, then R + polygons, that regions consist of, repeated
+    used: jax.Array  # [A] bool: False on padding
 
 
 def shapes_of(regions: Sequence[Region]) -> list[Region]:
@@ -65,10 +67,16 @@ def compound_of(regions: Sequence[Region], dimension: int, capacity: int, rows: 
             height[row] = piece.center[2], piece.size[2]
     turn = np.tile(np.array([1.0, 0.0], np.float32), (rows, 1))
     turn[: len(shapes)] = np.reshape([shape.turn for shape in shapes], (-1, 2))
-    owner = np.zeros((capacity, rows + count), bool)
-    owner[owner_of_shape, np.arange(len(shapes))] = True
-    owner[owner_of_outline, rows + np.arange(len(outlines))] = True
-    return Compound(*(jnp.asarray(array) for array in (turn, corners, height, owner)))
+    found: list[list[int]] = [[] for _ in regions]
+    for row, number in enumerate(owner_of_shape):
+        found[number].append(row)
+    for row, number in enumerate(owner_of_outline):
+        found[number].append(rows + row)
+    parts = np.zeros((capacity, padded(max(map(len, found), default=1), 1)), np.int32)
+    for number, own in enumerate(found):
+        parts[number] = [own[min(i, len(own) - 1)] for i in range(parts.shape[1])]
+    used = np.arange(capacity) < len(regions)
+    return Compound(*(jnp.asarray(array) for array in (turn, corners, height, parts, used)))
 
 
 def padded(count: int, least: int) -> int:
@@ -104,12 +112,14 @@ def combined(
         own_margin, own_gradient = one(compound.corners, compound.height, position)
         margin = jnp.concatenate([margin, own_margin])
         gradient = jnp.concatenate([gradient, own_gradient])
-    of_parts = jnp.where(compound.owner, margin, -jnp.inf)
-    deepest = of_parts.argmax(-1)
-    used = compound.owner.any(-1)
+    row, *others = compound.parts.T
+    value = margin[row]
+    for other in others:  # faster than a maximum over a table
+        row = jnp.where(margin[other] > value, other, row)
+        value = margin[row]
     return (
-        jnp.where(used, margin[deepest], PADDING_MARGIN),
-        jnp.where(used[:, None], gradient[deepest], 0.0),
+        jnp.where(compound.used, value, PADDING_MARGIN),
+        jnp.where(compound.used[:, None], gradient[row], 0.0),
     )
 
 

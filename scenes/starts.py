@@ -104,7 +104,7 @@ def draw(cells: Cells, key: jax.Array) -> jax.Array:
     if cells.parts is None:
         return _draw_once(cells, key)[0]
     parts = cells.parts
-    rank = jnp.arange(parts.mask.shape[0] if parts.compound is None else len(parts.compound.owner))
+    rank = jnp.arange(parts.mask.shape[0] if parts.compound is None else len(parts.compound.used))
 
     def again(state: tuple[jax.Array, jax.Array, jax.Array]) -> tuple:
         next_key, draw_key = jax.random.split(state[0])

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.between import SUBSTEPS
 from core.compilation import program
-from core.decompose import Decomposition, DecompositionError, decompose
+from core.decompose import Decomposition, DecompositionError, Kind, TimeExpr, decompose
 from core.stl import Atom, Formula, Not, children, negation_normal_form
 from core.task.grounding import MAX_ATOMS, Grounding, ground
 from core.task.inequalities import Inequalities, inequality_arrays
@@ -105,8 +105,10 @@ def _geometry(
 ) -> GoalGeometry | None:
     """Geometry of the places of a formula; that of the same places is made once."""
     constraints = [task.predicate for task in grounding.constraints]
+    kept = _kept(grounding)
     obstacles = tuple(
-        tuple(dict.fromkeys(constraints[i] for i in group)) for group in grounding.closed_sets()
+        tuple(dict.fromkeys((*(constraints[i] for i in group), *kept)))
+        for group in grounding.closed_sets()
     )
     goals = tuple(grounding.places)
     asked = {task.predicate for task in grounding.subgoals if not task.guards}
@@ -117,6 +119,16 @@ def _geometry(
     if key not in known:
         known[key] = goal_geometry(world, scene, goals, obstacles, SAMPLES_INSIDE, spared)
     return known[key]
+
+
+def _kept(grounding: Grounding) -> list[Formula]:
+    """What must hold from the first step to the last: ways may not leave it, as in a room."""
+    whole = TimeExpr(), TimeExpr(grounding.decomposition.horizon)
+    return [
+        task.predicate
+        for task in grounding.subgoals
+        if task.kind is Kind.STAY and not task.guards and (task.start, task.end) == whole
+    ]
 
 
 def initial_state(task: Task, start: tuple[float, ...] | None = None) -> Array:

@@ -2,6 +2,7 @@ import dataclasses
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -265,3 +266,10 @@ def test_flaws_of_other_kinds_are_reported_with_their_place(table, message):
     with pytest.raises(SceneError) as caught:
         parse_scene(TEXT.replace(plain, table), "here")
     assert message in str(caught.value)
+
+
+def test_the_documented_file_is_one():
+    text = (Path(__file__).parents[2] / "docs/scene-files.md").read_text(encoding="utf-8")
+    scene = parse_scene(text.split("```toml\n")[1].split("```")[0], "docs")
+    assert scene.arena == ((0.0, 15.0), (0.0, 10.0))
+    assert {region.kind for region in scene.regions} == {"circle", "polygon", "rectangle"}
