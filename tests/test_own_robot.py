@@ -125,11 +125,11 @@ def test_weights_are_trained_for_it_and_plan(copy):
     pretrain, plan = (line.split()[1:] for line in commands.splitlines())
     small = (
         "from dataclasses import replace\n"
-        "from studio.runs import held_out, missions, pretraining\n"
+        "from studio.runs import held_out, missions, outcomes, pretraining\n"
         "many = pretraining.many_missions\n"
         "pretraining.many_missions = lambda *given: replace(\n"
         "    shrink(many(*given)), layouts=2, fresh_layouts=1)\n"
-        "missions.VALIDATIONS, held_out.HELD_OUT = 1, ()\n"
+        "missions.VALIDATIONS, held_out.HELD_OUT, outcomes.MISSIONS = 1, (), 8\n"
     )
     code = (
         f"import sys; from tests.small import shrink\n{small}"
