@@ -5,8 +5,11 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+PATIENCE = 240.0
+"""After how long nothing is waited for any more [s]: as long as a busy machine needs."""
 
-def wait_for(condition: Callable[[], bool], timeout: float = 20.0) -> bool:
+
+def wait_for(condition: Callable[[], bool], timeout: float = PATIENCE) -> bool:
     """Poll until the condition holds; its last value."""
     deadline = time.monotonic() + timeout
     while not condition() and time.monotonic() < deadline:

@@ -37,12 +37,12 @@ def analyst(training):
 def rolled_out(analyst, schedule):
     before = analyst.answer
     analyst.ask(schedule)
-    assert wait_for(lambda: analyst.answer is not before, 120), analyst.error
+    assert wait_for(lambda: analyst.answer is not before), analyst.error
     return analyst.answer.recordings[0]
 
 
 def test_the_first_two_times_are_drawn(analyst, linear_task):
-    assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.picture is not None), analyst.error
     picture = analyst.picture
     assert picture.heatmap.axes == (0, 1)
     assert picture.subject.epoch == 3
@@ -52,7 +52,7 @@ def test_the_first_two_times_are_drawn(analyst, linear_task):
 
 
 def test_the_choice_is_the_best_cell(analyst):
-    assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.picture is not None), analyst.error
     picture = analyst.picture
     values = picture.heatmap.values
     row, column = np.unravel_index(values.argmax(), values.shape)
@@ -114,7 +114,7 @@ def test_without_a_schedule_a_plan_is_found_and_the_map_shows_it(analyst):
 
 def test_the_share_of_random_starts_is_counted(analyst):
     rolled_out(analyst, None)
-    assert wait_for(lambda: analyst.share is not None and analyst.share.starts >= STARTS, 60)
+    assert wait_for(lambda: analyst.share is not None and analyst.share.starts >= STARTS)
     assert 0 <= analyst.share.succeeded <= analyst.share.starts
     assert analyst.share.subject is analyst.answer.subject
 
@@ -151,7 +151,7 @@ def test_a_request_outlives_a_change_of_weights(training, monkeypatch):
         analyst.observe(after)
         analyst.ask(asked=False)  # a plan that nobody pressed a button for
         gate.open.release(2)
-        assert wait_for(lambda: analyst.answer is not None, 120), analyst.error
+        assert wait_for(lambda: analyst.answer is not None), analyst.error
         answer = analyst.answer
         assert answer is not None
         assert answer.subject.training is after.identity

@@ -47,7 +47,7 @@ def test_an_answer_of_the_old_training_is_dropped(trainings, monkeypatch, ask):
     assert gate.entered.acquire(timeout=120)  # the old answer has been given by now
     assert (shown(analyst), analyst.sample, analyst.busy) == ([], None, True)
     gate.open.release()
-    assert wait_for(lambda: shown(analyst) == [SECOND], 120), analyst.error
+    assert wait_for(lambda: shown(analyst) == [SECOND]), analyst.error
     assert analyst.answer is not None and analyst.answer.subject.training is new.identity
     assert analyst.close()
 
@@ -85,7 +85,7 @@ def test_a_click_while_an_answer_is_given_is_answered(trainings, monkeypatch):
     analyst.watched = False
     analyst.observe(trainings[0])
     analyst.ask(FIRST)
-    assert wait_for(lambda: len(answered) == 2, 120), analyst.error
+    assert wait_for(lambda: len(answered) == 2), analyst.error
     assert wait_for(lambda: shown(analyst) == [SECOND]), analyst.error
     assert not analyst.busy
     assert analyst.close()

@@ -38,10 +38,10 @@ simulate_picture = module.simulate_picture
 
 
 def test_with_the_switch_on_all_cells_are_simulated(analyst):
-    assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.picture is not None), analyst.error
     assert not whole(analyst)
     analyst.simulate(True)
-    assert wait_for(lambda: whole(analyst), 120), analyst.error
+    assert wait_for(lambda: whole(analyst)), analyst.error
     assert not np.isnan(analyst.simulated.truth.robustness).any()
 
 
@@ -52,21 +52,21 @@ def test_a_request_comes_between_two_batches(analyst, monkeypatch):
     assert gate.entered.acquire(timeout=120), analyst.error
     analyst.ask((20, 50, 15))
     gate.open.release()
-    assert wait_for(lambda: analyst.answer is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.answer is not None), analyst.error
     assert not whole(analyst)
     gate.open.release(100)
-    assert wait_for(lambda: whole(analyst), 120), analyst.error
+    assert wait_for(lambda: whole(analyst)), analyst.error
 
 
 def test_what_belongs_to_another_picture_is_dropped(analyst):
     analyst.simulate(True)
-    assert wait_for(lambda: whole(analyst), 120), analyst.error
+    assert wait_for(lambda: whole(analyst)), analyst.error
     before = analyst.simulated
     analyst.choose_view(MapView(axes=(2, 0)))
-    assert wait_for(lambda: analyst.simulated is not before, 120), analyst.error
+    assert wait_for(lambda: analyst.simulated is not before), analyst.error
     assert analyst.simulated.picture is analyst.picture
     assert analyst.simulated.truth.heatmap.axes == (2, 0)
-    assert wait_for(lambda: whole(analyst), 120), analyst.error
+    assert wait_for(lambda: whole(analyst)), analyst.error
     analyst.forget()
     assert analyst.simulated is None
 
@@ -76,7 +76,7 @@ def test_the_same_question_is_not_asked_again(analyst, monkeypatch):
     monkeypatch.setattr(
         "studio.page.picture.simulate_more", lambda *given: asked.append(given[-1]) or given[-1]
     )
-    assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.picture is not None), analyst.error
     first, other = analyst.picture, module.draw_picture(analyst.picture.subject, MapView(), None)
     truth = nothing_simulated(first.heatmap)
     known = truth._replace(robustness=np.ones_like(truth.robustness))
@@ -91,11 +91,11 @@ def test_the_same_question_is_not_asked_again(analyst, monkeypatch):
 def test_nothing_is_simulated_that_nobody_sees(analyst, monkeypatch, simulating, watched):
     calls, idle = [], []
     monkeypatch.setattr(module, "simulate_picture", lambda *asked: calls.append(asked))
-    assert wait_for(lambda: analyst.picture is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.picture is not None), analyst.error
     analyst.watched = watched
     analyst.simulate(simulating)
     monkeypatch.setattr(analyst, "_count", idle.append)
-    assert wait_for(lambda: len(idle) > 2, 120)  # twice through all that is done when idle
+    assert wait_for(lambda: len(idle) > 2)  # twice through all that is done when idle
     assert not calls
 
 
@@ -107,7 +107,7 @@ def test_what_cannot_be_simulated_is_said_once(analyst, monkeypatch, capsys):
     calls = []
     monkeypatch.setattr(module, "simulate_picture", broken)
     analyst.simulate(True)
-    assert wait_for(lambda: "ValueError: no" in analyst.error, 120)
+    assert wait_for(lambda: "ValueError: no" in analyst.error)
     analyst.ask((20, 50, 15))
-    assert wait_for(lambda: analyst.answer is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.answer is not None), analyst.error
     assert len(calls) == 1 and not analyst.simulating

@@ -42,7 +42,7 @@ def reached(session: Session, condition) -> bool:
         session.tick(0.0)
         return condition()
 
-    return wait_for(check, timeout=120)
+    return wait_for(check)
 
 
 def test_it_is_trained_shown_and_kept(make_session, tmp_path):

@@ -37,7 +37,7 @@ def shown(disk_cache):
         session.tick(0.0)
         return session.player.recording is not None and session.analyst.picture is not None
 
-    assert wait_for(playing, timeout=60)
+    assert wait_for(playing)
     yield session
     session.close()
 

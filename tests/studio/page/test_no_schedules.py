@@ -119,13 +119,13 @@ def test_it_is_rolled_out(linear_task, subject):
     training = Training(task=linear_task, config=cast(Any, config), weights="weights")
     analyst.observe(training)
     analyst.ask()
-    assert wait_for(lambda: analyst.answer is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.answer is not None), analyst.error
     assert analyst.answer is not None
     (recording,) = analyst.answer.recordings
     assert recording.schedule == times_met(linear_task, recording.margins)
     moved = np.diff(recording.states[:, 0])[:5]
     assert (moved > 0).all() and np.ptp(moved) < 1e-5
     analyst.ask_sample()
-    assert wait_for(lambda: analyst.sample is not None, 120), analyst.error
+    assert wait_for(lambda: analyst.sample is not None), analyst.error
     assert analyst.sample is not None and len(analyst.sample.recordings) == SAMPLE
     assert analyst.close()

@@ -33,7 +33,7 @@ def take_and_put(studio, page, step, place):
         arg=here[:2].tolist(),
     )
     Pointer(studio, page).drag(here[:2], place)
-    assert wait_for(lambda: session.player.recording is not before, timeout=120), session.error
+    assert wait_for(lambda: session.player.recording is not before), session.error
     return before, session.player.recording
 
 

@@ -52,11 +52,11 @@ def test_a_click_on_the_map_moves_the_robot(studio, page, robot):
             return None
         return recording.schedule
 
-    assert wait_for(lambda: schedule() is not None, timeout=240)
+    assert wait_for(lambda: schedule() is not None)
     page.wait_for_selector("image.tg-cells")
     chosen = schedule()
     click_cell(page, 0.5, 0.98)
-    assert wait_for(lambda: schedule() not in (None, chosen), timeout=60)
+    assert wait_for(lambda: schedule() not in (None, chosen))
     clicked = schedule()
     assert clicked is not None
     assert clicked[0] < clicked[1]
