@@ -12,6 +12,7 @@ import pytest
 
 from scenes import Scene, load_task
 from studio.page.app import Studio
+from tests.studio.waiting import PATIENCE
 
 RESULTS = Path("test-results")
 MOST_PATIENCE = 240_000
@@ -57,7 +58,7 @@ def running(studio: Studio) -> Iterator[None]:
     loop.start()
     yield
     studio.close()
-    loop.join(timeout=10)
+    loop.join(timeout=PATIENCE)
     assert not loop.is_alive()
 
 
