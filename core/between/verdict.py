@@ -102,13 +102,8 @@ def between(task: Task, states: np.ndarray) -> Between:
     return _closest(task, states, invariant, witness.step, float(share))
 
 
-def between_sentence(found: Between, *, satisfied: bool) -> str:
-    """What is said beside a verdict.
-
-    Args:
-        found: what the trace does between its steps.
-        satisfied: whether the formula holds at the steps.
-    """
+def between_sentence(found: Between) -> str:
+    """What is said of a trace that satisfies the formula at its steps."""
     if found.invariant is None:
         return ""
     if found.holds:
@@ -117,10 +112,7 @@ def between_sentence(found: Between, *, satisfied: bool) -> str:
             f"It holds between the steps, too, by {least} at least: {quoted(found.invariant)} "
             f"{_where(found)}"
         )
-    if satisfied:
-        return f"Satisfied at every step; {breach_text(found)}"
-    text = breach_text(found)
-    return text[0].upper() + text[1:]
+    return f"Satisfied at every step; {breach_text(found)}"
 
 
 def breach_text(found: Between) -> str:

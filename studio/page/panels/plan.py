@@ -23,8 +23,8 @@ def plan_html(session: Session) -> str:
         return ""
     recording = found.recordings[0]
     if not recording.satisfied:
-        why = recording.diagnosis.sentence
-        return note(f"No plan found without training: {why} Train.", "warn")
+        lack = f"misses by {-recording.robustness:.2f} m"
+        return note(f"No plan found without training: the best attempt {lack}. Train.", "warn")
     return (
         f'<div class="tg tg-plan">Planned without training in {found.seconds:.2f} s'
         f"{_share(session)}</div>"

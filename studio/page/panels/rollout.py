@@ -107,10 +107,10 @@ def _invitation(session: Session) -> str:
 
 
 def _between(recording: Recording) -> str:
-    """What the rollout does between its steps, unless the verdict says so already."""
-    found, satisfied = recording.between, recording.satisfied
-    text = between_sentence(found, satisfied=satisfied)
-    if not text or (not satisfied and recording.task.between_steps):
+    """What a rollout that satisfies the formula at its steps does between them."""
+    found = recording.between
+    text = between_sentence(found) if recording.satisfied else ""
+    if not text:
         return ""
     color = "inherit" if found.holds else BAD
     return f'<div class="tg-between" style="color:{color}">{escape(text)}.</div>'

@@ -113,7 +113,7 @@ def test_where_and_by_how_much_an_obstacle_is_cut():
     assert (found.step, found.holds) == (7, False)
     assert found.margin == pytest.approx(-0.1, abs=1e-3)
     np.testing.assert_allclose(found.position, (0.5, 1.5), atol=1e-2)
-    assert between_sentence(found, satisfied=True) == (
+    assert between_sentence(found) == (
         "Satisfied at every step; between steps 7 and 8 it cuts B by 0.10 m at (0.5, 1.5)"
     )
 
@@ -121,7 +121,7 @@ def test_where_and_by_how_much_an_obstacle_is_cut():
 def test_what_holds_tells_its_least_margin():
     found = between(toy_task("G_[0:14](!B)"), jump(-0.26))
     assert found.holds and found.margin == pytest.approx(0.26, abs=1e-3)
-    assert between_sentence(found, satisfied=True) == (
+    assert between_sentence(found) == (
         "It holds between the steps, too, by 0.26 m at least: !B between steps 7 and 8 at "
         "(0.9, 1.5)"
     )
@@ -140,7 +140,7 @@ def test_goals_are_out_of_account():
     found = between(toy_task("G_[0:14](!B) & F_[0:9](A & C)"), jump(-0.26))
     assert found.holds and found.margin == pytest.approx(0.26, abs=1e-3)
     assert between(toy_task("F_[0:9](A)"), jump(0.1)) == Between(np.inf)
-    assert between_sentence(Between(np.inf), satisfied=True) == ""
+    assert between_sentence(Between(np.inf)) == ""
 
 
 def test_no_traces_have_no_margins():
