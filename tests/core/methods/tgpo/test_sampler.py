@@ -71,7 +71,7 @@ def test_uniform_schedules_fill_the_domain_evenly():
 
 
 def test_feasible_schedules_are_uniform_over_those_that_leave_time():
-    problem, count = toy_task("F_[0:15](A) & F_[0:9](B)").problem, 13_500
+    problem, count = toy_task("F_[0:15](A) & F_[0:9](B)").problem, 9_000
     size = problem.formula.low.shape[0]
     every = np.zeros((160, size), np.int32)
     every[:, :2] = np.indices((16, 10)).reshape(2, -1).T
