@@ -23,6 +23,7 @@ from studio.page.panels.formula import FormulaPanel
 from studio.page.panels.ghosts import GhostsPanel
 from studio.page.panels.heatmap import HeatmapPanel
 from studio.page.panels.keep import KeepPanel
+from studio.page.panels.mission import MissionFields
 from studio.page.panels.monitor import MonitorPanel, PlayheadStyle
 from studio.page.panels.recovery import RecoveryPanel
 from studio.page.panels.regions import RegionsPanel
@@ -211,6 +212,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     drawables: list[Drawable] = [
         PlayheadStyle(gui),
         TaskPanel(gui, session),
+        MissionFields(gui, session),
         RegionsPanel(gui, session),
         FormulaPanel(gui, session),
         TreePanel(gui, session),

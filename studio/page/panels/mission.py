@@ -1,0 +1,129 @@
+"""What frames a mission: its title, its horizon and its arena."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import viser
+
+from scenes import Scene, robot_of, unit_of, workspace_of
+from scenes.arena import Arena
+from studio.page.editing.document import Document
+from studio.page.session import Session
+
+PAUSE = 0.6
+"""Pause in typing after which a value is applied [s]."""
+
+FINE = 0.5
+"""Step of the arrows at the arena's corners, in units of the scene."""
+
+DIGITS = 3
+"""Decimal places of the corners: millimetres."""
+
+
+def fence(document: Document, arena: Arena) -> None:
+    """Change the arena; the robot's own is not written down."""
+    own = robot_of(document.scene).workspace.arena
+    document.set_arena(None if arena == own else arena)
+
+
+CHANGES: dict[str, Callable[[Document, Any], None]] = {
+    "title": Document.set_title,
+    "horizon": Document.set_horizon,
+    "arena": fence,
+}
+"""What is typed here, and the edit that applies it."""
+
+
+class Typed(NamedTuple):
+    """A value that the scene does not have yet."""
+
+    document: Document
+    value: Any
+    due: float
+    """When it is applied: monotonic time [s]."""
+
+
+class MissionFields:
+    """Fields that follow the scene; a value that is refused is replaced by the scene's."""
+
+    def __init__(self, gui: viser.GuiApi, session: Session) -> None:
+        scene = session.document.scene
+        self._session = session
+        self._typed: dict[str, Typed] = {}
+        """By the keys of `CHANGES`."""
+        with gui.add_folder("Mission", expand_by_default=False):
+            self._title = gui.add_text("Title", scene.title)
+            self._horizon = gui.add_number(
+                "Horizon (steps)", scene.horizon, step=10, hint="Least length of an episode"
+            )
+            self._corners = {
+                2: (
+                    gui.add_vector2("Arena from (m)", (0.0, 0.0), visible=False),
+                    gui.add_vector2("Arena to (m)", (1.0, 1.0), visible=False),
+                ),
+                3: (
+                    gui.add_vector3("Arena from (m)", (0.0, 0.0, 0.0), visible=False),
+                    gui.add_vector3("Arena to (m)", (1.0, 1.0, 1.0), visible=False),
+                ),
+            }
+            self._own = gui.add_button("The robot's own arena", color="gray", visible=False)
+        self._on_update(self._title, "title", lambda: self._title.value)
+        self._on_update(self._horizon, "horizon", lambda: self._horizon.value)
+        for low, high in self._corners.values():
+            for field in (low, high):
+                field.precision = DIGITS
+                self._on_update(field, "arena", partial(_arena, low, high))
+
+        @self._own.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            session.post(lambda: session.document.set_arena(None))
+
+    def draw(self, session: Session) -> None:
+        """Apply what was typed when typing pauses; show the scene in all other fields."""
+        now = time.monotonic()
+        for what, typed in list(self._typed.items()):
+            if now >= typed.due:
+                session.post(partial(self._apply, what, typed))
+        scene = session.document.scene
+        if "title" not in self._typed:
+            _set(self._title, "value", scene.title)
+        if "horizon" not in self._typed:
+            _set(self._horizon, "value", scene.horizon)
+        self._show_arena(scene)
+
+    def _show_arena(self, scene: Scene) -> None:
+        arena = workspace_of(scene).arena
+        for dimension, corners in self._corners.items():
+            for field, values in zip(corners, zip(*arena, strict=True), strict=True):
+                if dimension == scene.dimension and "arena" not in self._typed:
+                    _set(field, "step", FINE * unit_of(scene))
+                    _set(field, "value", tuple(map(float, values)))
+                _set(field, "visible", dimension == scene.dimension)
+        _set(self._own, "visible", scene.arena is not None)
+
+    def _on_update(self, field: Any, what: str, value: Callable[[], Any]) -> None:
+        @field.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                due = time.monotonic() + PAUSE
+                self._typed[what] = Typed(self._session.document, value(), due)
+
+    def _apply(self, what: str, typed: Typed) -> None:
+        """Change the scene that was typed for, unless another is open or more was typed."""
+        if self._typed.get(what) is typed:
+            del self._typed[what]
+            if self._session.document is typed.document:
+                CHANGES[what](typed.document, typed.value)
+
+
+def _arena(low: Any, high: Any) -> Arena:
+    """The arena between the corners in two fields."""
+    return tuple((float(a), float(b)) for a, b in zip(low.value, high.value, strict=True))
+
+
+def _set(field: Any, name: str, value: Any) -> None:
+    """Send only what changes."""
+    if getattr(field, name) != value:
+        setattr(field, name, value)
