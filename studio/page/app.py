@@ -19,6 +19,7 @@ from scenes import Scene, load_scene, load_task, robot_of
 from studio.page.commands import add_commands
 from studio.page.files.keeping import load_policy
 from studio.page.files.projects import state_folder
+from studio.page.files.shelf import Shelf
 from studio.page.panels.formula import FormulaPanel
 from studio.page.panels.ghosts import GhostsPanel
 from studio.page.panels.heatmap import HeatmapPanel
@@ -99,8 +100,9 @@ class Studio:
         if state is not None:
             self._recovery, seen = RecoveryPanel(gui, self.session, state / "autosave"), state
         self._drawables: list[Drawable] = [] if self._recovery is None else [self._recovery]
+        shelf = Shelf(None if state is None else state / "scenes")
         tour = TourPanel(gui, self.session, None if seen is None else seen / "tour-seen")
-        self._drawables += [tour, *_build(self._server, self.session)]
+        self._drawables += [tour, *_build(self._server, self.session, shelf)]
         add_page_options(gui, self.session, tour)
         self._closed = threading.Event()
 
@@ -202,7 +204,7 @@ def default_config(scene: Scene, time_limit: float) -> TrainingConfig:
     return TrainingConfig(algorithm, seed=scene.seed, epochs=1000, time_limit=time_limit)
 
 
-def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
+def _build(server: viser.ViserServer, session: Session, shelf: Shelf) -> list[Drawable]:
     """Lay out the page: the task on the left, learning on the right, the robot in between."""
     gui = server.gui
     set_theme(gui, dark=False)
@@ -211,7 +213,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     add_playback_commands(gui, session)
     drawables: list[Drawable] = [
         PlayheadStyle(gui),
-        TaskPanel(gui, session),
+        TaskPanel(gui, session, shelf),
         MissionFields(gui, session),
         RegionsPanel(gui, session),
         FormulaPanel(gui, session),
@@ -221,7 +223,7 @@ def _build(server: viser.ViserServer, session: Session) -> list[Drawable]:
     with learning.add_tab("Learning", viser.Icon.BRAIN):
         drawables += [TrainingPanel(gui, session), HeatmapPanel(gui, session)]
     with learning.add_tab("Files", viser.Icon.DEVICE_FLOPPY):
-        drawables.append(KeepPanel(gui, session))
+        drawables.append(KeepPanel(gui, session, shelf))
     rollout = gui.add_panel()
     with rollout.add_tab("Rollout", viser.Icon.ROUTE):
         drawables += [RolloutPanel(gui, session), GhostsPanel(gui, session)]

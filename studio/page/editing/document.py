@@ -231,6 +231,10 @@ class Document:
         """Change the arena, (low, high) of each axis [m]; None for the robot's own."""
         self._record("change the arena", replace(self.scene, arena=arena), gesture)
 
+    def set_name(self, name: str, gesture: str | None = None) -> None:
+        """Change the scene's name, under which it is saved."""
+        self._record("rename the mission", replace(self.scene, name=name), gesture)
+
     def set_title(self, title: str, gesture: str | None = None) -> None:
         """Change the line that describes the scene."""
         self._record("change the title", replace(self.scene, title=title), gesture)

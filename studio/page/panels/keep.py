@@ -7,11 +7,13 @@ from functools import partial
 import viser
 
 from core.errors import UserError
+from scenes import Scene
 from studio.export.archives import read_policy_zip
 from studio.export.filenames import safe_name
 from studio.page.files import keeping
 from studio.page.files.keeping import Export
 from studio.page.files.projects import read_upload
+from studio.page.files.shelf import Shelf
 from studio.page.panels.html import Html, note
 from studio.page.session import Session
 
@@ -29,8 +31,8 @@ UNSAVED = '<div class="tg tg-unsaved">● Unsaved changes</div>'
 class KeepPanel:
     """Buttons, and below them the result of the last one."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session) -> None:
-        self._session = session
+    def __init__(self, gui: viser.GuiApi, session: Session, shelf: Shelf) -> None:
+        self._session, self._shelf = session, shelf
         self._said = ""
         self._making = threading.Lock()
         """Held while a file is made; more clicks meanwhile do nothing."""
@@ -74,6 +76,7 @@ class KeepPanel:
         scene = document.scene
         if self._export(lambda _: keeping.project_file(scene), client):
             self._session.post(partial(document.mark_saved, scene))
+            self._session.post(partial(self._shelf.keep, scene))
 
     def _export_bundle(self, event: viser.GuiEvent) -> None:
         self._export(keeping.bundle_file, event.client)
@@ -105,8 +108,12 @@ class KeepPanel:
         except Exception as error:  # noqa: BLE001
             self._fail("Could not open the file", error)
             return
-        self._session.post(partial(self._session.leave, partial(self._session.open, scene)))
+        self._session.post(partial(self._session.leave, partial(self._show, scene)))
         self._said = f'<div class="tg tg-kept">✓ Opened {safe_name(file.name, "project")}</div>'
+
+    def _show(self, scene: Scene) -> None:
+        self._session.open(scene)
+        self._shelf.keep(scene)
 
     def _load(self, file: viser.UploadedFile) -> None:
         shown = safe_name(file.name, "upload")

@@ -1,4 +1,4 @@
-"""What frames a mission: its title, its horizon and its arena."""
+"""What frames a mission: its name and title, its horizon and its arena."""
 
 import time
 from collections.abc import Callable
@@ -29,6 +29,7 @@ def fence(document: Document, arena: Arena) -> None:
 
 
 CHANGES: dict[str, Callable[[Document, Any], None]] = {
+    "name": Document.set_name,
     "title": Document.set_title,
     "horizon": Document.set_horizon,
     "arena": fence,
@@ -54,10 +55,13 @@ class MissionFields:
         self._typed: dict[str, Typed] = {}
         """By the keys of `CHANGES`."""
         with gui.add_folder("Mission", expand_by_default=False):
-            self._title = gui.add_text("Title", scene.title)
-            self._horizon = gui.add_number(
-                "Horizon (steps)", scene.horizon, step=10, hint="Least length of an episode"
-            )
+            self._plain = {
+                "name": gui.add_text("Name", scene.name),
+                "title": gui.add_text("Title", scene.title),
+                "horizon": gui.add_number(
+                    "Horizon (steps)", scene.horizon, step=10, hint="Least length of an episode"
+                ),
+            }
             self._corners = {
                 2: (
                     gui.add_vector2("Arena from (m)", (0.0, 0.0), visible=False),
@@ -69,8 +73,8 @@ class MissionFields:
                 ),
             }
             self._own = gui.add_button("The robot's own arena", color="gray", visible=False)
-        self._on_update(self._title, "title", lambda: self._title.value)
-        self._on_update(self._horizon, "horizon", lambda: self._horizon.value)
+        for what, field in self._plain.items():
+            self._on_update(field, what, partial(getattr, field, "value"))
         for low, high in self._corners.values():
             for field in (low, high):
                 field.precision = DIGITS
@@ -87,10 +91,9 @@ class MissionFields:
             if now >= typed.due:
                 session.post(partial(self._apply, what, typed))
         scene = session.document.scene
-        if "title" not in self._typed:
-            _set(self._title, "value", scene.title)
-        if "horizon" not in self._typed:
-            _set(self._horizon, "value", scene.horizon)
+        for what, field in self._plain.items():
+            if what not in self._typed:
+                _set(field, "value", getattr(scene, what))
         self._show_arena(scene)
 
     def _show_arena(self, scene: Scene) -> None:

@@ -1,13 +1,17 @@
 """The choice of a task or of a new mission, and a description of it."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 
 import viser
 
+from core.errors import UserError
 from envs import ENVS, VARIANTS
-from scenes import Scene, blank, demo_names, task_names
+from scenes import Scene, blank, demo_names, load_task, task_names
+from studio.page.editing.document import Document
 from studio.page.figures.svg import escape
+from studio.page.files.shelf import Shelf
 from studio.page.panels.html import Html, note
 from studio.page.session import Session
 
@@ -16,7 +20,10 @@ ENDS_TRAINING = "Opening another scene stops the running training and discards i
 DROPS_EDITS = "Opening another scene discards your unsaved changes."
 
 
+SHIPPED = tuple(name for robot in ENVS for name in demo_names(robot) + task_names(robot))
 CHOOSE = "choose a robot…"
+NEW = "new"
+"""Name of a new mission, if there is none yet."""
 
 ROBOTS: dict[str, tuple[str, str]] = {
     f"{robot} ({variant})" if variant else robot: (robot, variant)
@@ -27,17 +34,21 @@ ROBOTS: dict[str, tuple[str, str]] = {
 
 
 class TaskPanel:
-    """A menu of the shipped tasks, and of the opened file if there is one; new missions."""
+    """A menu of the user's own scenes and the shipped tasks; new missions."""
 
-    def __init__(self, gui: viser.GuiApi, session: Session) -> None:
-        scene = session.specification.scene
-        self._opened = scene
+    def __init__(self, gui: viser.GuiApi, session: Session, shelf: Shelf) -> None:
+        self._shelf = shelf
+        self._own: Document | None = None
+        """The document of the user's own scene that was opened last."""
         self._asked = 0
-        """How often the menu was used."""
-        names = [name for robot in ENVS for name in demo_names(robot) + task_names(robot)]
-        if scene.name not in names:
-            names.insert(0, scene.name)
-        self._menu = gui.add_dropdown("Task", names, initial_value=scene.name)
+        """How often the menus were used."""
+        scene = session.specification.scene
+        if scene.name not in SHIPPED or scene != load_task(scene.name):
+            self._own = session.document
+            with suppress(UserError):  # autosave says what is wrong with the folder
+                shelf.keep(scene)
+        current = self._current(session)
+        self._menu = gui.add_dropdown("Task", self._offered(current), initial_value=current)
         self._new = gui.add_dropdown("New mission", (CHOOSE, *ROBOTS), initial_value=CHOOSE)
         self._about = Html(gui)
         self._warning = Html(gui)
@@ -56,12 +67,18 @@ class TaskPanel:
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None and event.target.value in ROBOTS:
                 mission = ROBOTS[event.target.value]
-                self._ask(session, lambda: session.open(blank(*mission)))
+                name = shelf.free_name(NEW)
+                self._ask(session, lambda: session.open(blank(*mission, name)))
 
     def draw(self, session: Session) -> None:
         """Show the scene."""
         scene = session.specification.scene
-        self._menu.value = scene.name
+        current = self._current(session)
+        offered = self._offered(current)
+        if self._menu.options != offered:
+            self._menu.options = offered
+        if self._menu.value != current:
+            self._menu.value = current
         if self._new.value != CHOOSE:
             self._new.value = CHOOSE
         self._about.show(_about(scene))
@@ -79,11 +96,28 @@ class TaskPanel:
         if number == self._asked:
             session.leave(change)
 
-    def _choose(self, session: Session, name: str) -> None:
-        if name == self._opened.name:
-            session.open(self._opened)
-        else:
-            session.choose_task(name)
+    def _choose(self, session: Session, label: str) -> None:
+        for name, scene in self._shelf.scenes.items():
+            if _own_label(name) == label:
+                session.open(scene)
+                self._own = session.document
+                return
+        session.choose_task(label)
+
+    def _offered(self, current: str) -> tuple[str, ...]:
+        """What the menu lists, each once; the scene shown, too."""
+        own = map(_own_label, self._shelf.scenes)
+        listed = tuple(dict.fromkeys((*own, *SHIPPED)))
+        return listed if current in listed else (current, *listed)
+
+    def _current(self, session: Session) -> str:
+        name = session.specification.scene.name
+        return _own_label(name) if session.document is self._own else name
+
+
+def _own_label(name: str) -> str:
+    """Of one of the user's scenes, which may have a shipped task's name."""
+    return f"{name} (yours)" if name in SHIPPED else name
 
 
 def _losses(session: Session) -> str:
@@ -97,5 +131,5 @@ def _about(scene: Scene) -> str:
     return (
         f'<div class="tg"><div class="tg-title">{escape(scene.title)}</div>'
         f'<div class="tg-dim">{escape(robot.name.capitalize())} robot · {robot.dt:g} s per step · '
-        f"{len(scene.regions)} regions</div></div>"
+        f"{len(scene.regions)} region{'' if len(scene.regions) == 1 else 's'}</div></div>"
     )

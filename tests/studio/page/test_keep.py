@@ -20,6 +20,7 @@ from studio.page.app import Studio
 from studio.page.files import keeping, movie
 from studio.page.files.keeping import load_policy
 from studio.page.files.projects import Autosave, recoverable
+from studio.page.files.shelf import Shelf
 from studio.page.panels.keep import KeepPanel
 from studio.page.panels.recovery import RecoveryPanel
 from studio.page.server.security import start_server
@@ -175,7 +176,7 @@ def test_one_file_is_made_at_a_time():
     download = SimpleNamespace(send_file_download=lambda name, *_, **__: sent.append(name))
     client = cast(Any, download)
     session = Session(load_task("linear-08"), None, lambda *_: pytest.fail("no training"))
-    panel = KeepPanel(server.gui, session)
+    panel = KeepPanel(server.gui, session, Shelf())
     try:
         with ThreadPoolExecutor(4) as pool:
             results = [pool.submit(panel._export, export, client) for _ in range(4)]

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from scenes import load_task, robot_of, workspace_of
+from studio.page.files.shelf import Shelf
 from studio.page.panels import mission
 from studio.page.panels.mission import MissionFields
 from studio.page.panels.task import CHOOSE, ROBOTS, TaskPanel
@@ -25,7 +26,7 @@ def connected():
     """A server with a client that sends, a session, and the two panels."""
     server = start_server("127.0.0.1", free_port(), "missions")
     session = Session(load_task("linear-08"), None, lambda *_: pytest.fail("no training"))
-    panels = TaskPanel(server.gui, session), MissionFields(server.gui, session)
+    panels = TaskPanel(server.gui, session, Shelf()), MissionFields(server.gui, session)
     with Tab(server.get_port()) as tab:
         assert wait_for(lambda: len(server.get_clients()) == 1)
         yield SimpleNamespace(session=session, task=panels[0], fields=panels[1], tab=tab)
@@ -87,29 +88,29 @@ def test_a_new_mission_waits_for_a_word_on_unsaved_edits(client):
 
 def test_title_and_horizon_are_steps_of_the_history(client):
     before = scene(client)
-    send(client, client.fields._title, "Round the shelf")
+    send(client, client.fields._plain["title"], "Round the shelf")
     assert comes(client, lambda: scene(client).title == "Round the shelf")
-    send(client, client.fields._horizon, 150.0)
+    send(client, client.fields._plain["horizon"], 150.0)
     assert comes(client, lambda: scene(client).horizon == 150)
     client.session.undo()
     client.session.undo()
     drawn(client)
     assert scene(client) == before
-    assert client.fields._title.value == before.title
-    assert client.fields._horizon.value == before.horizon
+    assert client.fields._plain["title"].value == before.title
+    assert client.fields._plain["horizon"].value == before.horizon
 
 
 @pytest.mark.parametrize(
     ("field", "value", "words"),
     [
-        ("_title", " ", "title: ' ' must be non-empty text"),
-        ("_title", "x" * 201, "title: 201 characters are too many: at most 200"),
-        ("_horizon", 0.0, "horizon: 0 must be an integer from 1 to 10000"),
+        ("title", " ", "title: ' ' must be non-empty text"),
+        ("title", "x" * 201, "title: 201 characters are too many: at most 200"),
+        ("horizon", 0.0, "horizon: 0 must be an integer from 1 to 10000"),
     ],
 )
 def test_what_no_scene_can_have_is_refused_in_words(client, field, value, words):
     before = scene(client)
-    control = getattr(client.fields, field)
+    control = client.fields._plain[field]
     shown = control.value
     send(client, control, value)
     assert comes(client, lambda: words in client.session.error)
@@ -163,7 +164,7 @@ def test_a_burst_of_typing_is_one_step(client, monkeypatch):
     monkeypatch.setattr(mission, "PAUSE", 1e9)
     before = scene(client)
     for length in range(1, 10):
-        send(client, client.fields._title, "To a goal"[:length])
+        send(client, client.fields._plain["title"], "To a goal"[:length])
     pause_over(client, "To a goal")
     assert scene(client).title == "To a goal"
     client.session.undo()
@@ -172,7 +173,7 @@ def test_a_burst_of_typing_is_one_step(client, monkeypatch):
 
 def test_what_was_typed_for_another_scene_is_dropped(client, monkeypatch):
     monkeypatch.setattr(mission, "PAUSE", 1e9)
-    send(client, client.fields._title, "Late")
+    send(client, client.fields._plain["title"], "Late")
     assert comes(client, lambda: "title" in client.fields._typed)
     client.session.open(load_task("linear-07"))
     pause_over(client, "Late")

@@ -3,6 +3,7 @@
 import pytest
 
 from scenes import load_task
+from studio.page.files.shelf import Shelf
 from studio.page.panels.task import TaskPanel
 from studio.page.server.relied_upon import identifier_of
 from studio.page.server.security import start_server
@@ -19,7 +20,7 @@ def test_only_the_last_choice_is_opened(monkeypatch):
     opened = []
     monkeypatch.setattr(session, "choose_task", opened.append)
     try:
-        panel = TaskPanel(server.gui, session)
+        panel = TaskPanel(server.gui, session, Shelf())
         with Tab(server.get_port()) as tab:
             assert wait_for(lambda: len(server.get_clients()) == 1)
             for _ in range(50):
