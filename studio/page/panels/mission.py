@@ -7,9 +7,11 @@ from typing import Any, NamedTuple
 
 import viser
 
+from core.errors import UserError
 from scenes import Scene, robot_of, unit_of, workspace_of
 from scenes.arena import Arena
 from studio.page.editing.document import Document
+from studio.page.panels.html import Html, note
 from studio.page.session import Session
 
 PAUSE = 0.6
@@ -46,6 +48,14 @@ class Typed(NamedTuple):
     """When it is applied: monotonic time [s]."""
 
 
+class Refused(NamedTuple):
+    """Why the last value was refused; told until something is changed."""
+
+    document: Document
+    revision: int
+    reason: str
+
+
 class MissionFields:
     """Fields that follow the scene; a value that is refused is replaced by the scene's."""
 
@@ -54,6 +64,7 @@ class MissionFields:
         self._session = session
         self._typed: dict[str, Typed] = {}
         """By the keys of `CHANGES`."""
+        self._refused: Refused | None = None
         with gui.add_folder("Mission", expand_by_default=False):
             self._plain = {
                 "name": gui.add_text("Name", scene.name),
@@ -73,6 +84,7 @@ class MissionFields:
                 ),
             }
             self._own = gui.add_button("The robot's own arena", color="gray", visible=False)
+            self._problem = Html(gui)
         for what, field in self._plain.items():
             self._on_update(field, what, partial(getattr, field, "value"))
         for low, high in self._corners.values():
@@ -95,6 +107,7 @@ class MissionFields:
             if what not in self._typed:
                 _set(field, "value", getattr(scene, what))
         self._show_arena(scene)
+        self._problem.show(note(self._reason(session.document)))
 
     def _show_arena(self, scene: Scene) -> None:
         arena = workspace_of(scene).arena
@@ -106,6 +119,12 @@ class MissionFields:
                 _set(field, "visible", dimension == scene.dimension)
         _set(self._own, "visible", scene.arena is not None)
 
+    def _reason(self, document: Document) -> str:
+        refused = self._refused
+        if refused is None or refused[:2] != (document, document.revision):
+            return ""
+        return refused.reason
+
     def _on_update(self, field: Any, what: str, value: Callable[[], Any]) -> None:
         @field.on_update
         async def _(event: viser.GuiEvent) -> None:
@@ -115,10 +134,16 @@ class MissionFields:
 
     def _apply(self, what: str, typed: Typed) -> None:
         """Change the scene that was typed for, unless another is open or more was typed."""
-        if self._typed.get(what) is typed:
-            del self._typed[what]
-            if self._session.document is typed.document:
-                CHANGES[what](typed.document, typed.value)
+        if self._typed.get(what) is not typed:
+            return
+        del self._typed[what]
+        self._refused = None
+        document = typed.document
+        if self._session.document is document:
+            try:
+                CHANGES[what](document, typed.value)
+            except UserError as error:
+                self._refused = Refused(document, document.revision, str(error))
 
 
 def _arena(low: Any, high: Any) -> Arena:

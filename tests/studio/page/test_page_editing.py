@@ -72,6 +72,16 @@ def press(page, text):
     page.locator(f"{LIST} button", has_text=text).first.click()
 
 
+def begin_anew(page, robot, title):
+    """Open a new mission, whatever is lost, and give it a title."""
+    page.locator("input[value^='choose a robot']").first.click()
+    page.get_by_role("option", name=robot, exact=True).click()
+    page.get_by_role("button", name="Go anyway").click()
+    page.get_by_text("Mission", exact=True).click()
+    page.locator(f"input[value='A new mission for {robot}']").fill(title)
+    wait_for_text(page, ".tg-title", title)
+
+
 def scene(studio):
     return studio.session.document.scene
 
@@ -135,3 +145,6 @@ def test_draw_type_undo_rename_move_and_stale(studio, page):
     page.keyboard.press("Control+Z")
     page.wait_for_selector("text=Stale:", state="detached")
     assert studio.session.document.region("A4").center == (-2.5, 0.5)
+
+    begin_anew(page, "linear", "Round the shelf")
+    assert scene(studio).region_names == ("A1",)

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from scenes import load_task, robot_of, workspace_of
+from studio.page.figures.svg import escape
 from studio.page.files.shelf import Shelf
 from studio.page.panels import mission
 from studio.page.panels.mission import MissionFields
@@ -14,7 +15,7 @@ from studio.page.server.relied_upon import identifier_of
 from studio.page.server.security import start_server
 from studio.page.session import Session
 from studio.page.views.bodies import stage_of
-from tests.studio.conftest import free_port
+from tests.studio.conftest import EVIL, free_port
 from tests.studio.waiting import wait_for
 from tests.tools.attack.client import Tab
 
@@ -39,7 +40,6 @@ def client(connected, monkeypatch):
     """What a client sees of linear-08, freshly opened; what is typed counts at once."""
     monkeypatch.setattr(mission, "PAUSE", 0.0)
     connected.session.open(load_task("linear-08"))
-    connected.session.error = ""
     drawn(connected)
     return connected
 
@@ -57,6 +57,11 @@ def send(client, field, value):
 
 def comes(client, condition):
     return wait_for(lambda: drawn(client) and condition())
+
+
+def told(client):
+    """What is said under the fields."""
+    return client.fields._problem._content
 
 
 def scene(client):
@@ -86,14 +91,16 @@ def test_a_new_mission_waits_for_a_word_on_unsaved_edits(client):
     assert client.session.specification.error == ""
 
 
-def test_title_and_horizon_are_steps_of_the_history(client):
+def test_name_title_and_horizon_are_steps_of_the_history(client):
     before = scene(client)
+    send(client, client.fields._plain["name"], "shelf")
+    assert comes(client, lambda: scene(client).name == "shelf")
     send(client, client.fields._plain["title"], "Round the shelf")
     assert comes(client, lambda: scene(client).title == "Round the shelf")
     send(client, client.fields._plain["horizon"], 150.0)
     assert comes(client, lambda: scene(client).horizon == 150)
-    client.session.undo()
-    client.session.undo()
+    for _ in range(3):
+        client.session.undo()
     drawn(client)
     assert scene(client) == before
     assert client.fields._plain["title"].value == before.title
@@ -105,6 +112,7 @@ def test_title_and_horizon_are_steps_of_the_history(client):
     [
         ("title", " ", "title: ' ' must be non-empty text"),
         ("title", "x" * 201, "title: 201 characters are too many: at most 200"),
+        ("name", f"{EVIL}\n" * 9, "characters are too many: at most 80"),
         ("horizon", 0.0, "horizon: 0 must be an integer from 1 to 10000"),
     ],
 )
@@ -113,7 +121,7 @@ def test_what_no_scene_can_have_is_refused_in_words(client, field, value, words)
     control = client.fields._plain[field]
     shown = control.value
     send(client, control, value)
-    assert comes(client, lambda: words in client.session.error)
+    assert comes(client, lambda: escape(words) in told(client))
     assert comes(client, lambda: control.value == shown)
     assert scene(client) == before
 
@@ -148,8 +156,11 @@ def test_an_arena_that_is_inside_out_is_refused(client):
     low, _ = client.fields._corners[2]
     shown = low.value
     send(client, low, [90.0, 0.0])
-    assert comes(client, lambda: "low must be below high" in client.session.error)
+    assert comes(client, lambda: "low must be below high" in told(client))
     assert comes(client, lambda: low.value == shown)
+    client.session.document.set_title("Something else")
+    drawn(client)
+    assert told(client) == ""
 
 
 def pause_over(client, value):
