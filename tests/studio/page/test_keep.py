@@ -13,9 +13,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from PIL import Image
+from viser import UploadedFile
 
 from core.errors import UserError
+from scenes import blank as blank_scene
 from scenes import load_task, parse_scene
+from scenes.scene import format_scene
 from studio.page.app import Studio
 from studio.page.files import keeping, movie
 from studio.page.files.keeping import load_policy
@@ -185,6 +188,30 @@ def test_one_file_is_made_at_a_time():
         assert sorted(result.result() for result in results) == [False, False, False, True]
         assert len(made) == len(sent) == 1
         assert panel._export(export, client)
+    finally:
+        session.close()
+        server.stop()
+
+
+def test_scenes_that_are_saved_or_opened_are_kept():
+    server, shelf = start_server("127.0.0.1", free_port(), "keep"), Shelf()
+    session = Session(
+        blank_scene("linear", name="mine"), None, lambda *_: pytest.fail("no training")
+    )
+    client = cast(Any, SimpleNamespace(send_file_download=lambda *_, **__: None))
+    panel = KeepPanel(server.gui, session, shelf)
+    other = format_scene(blank_scene("unicycle", name="other")).encode()
+    try:
+        session.document.set_title("By hand")
+        saved = session.document.scene
+        panel._save(client)
+        session.tick(0.0)
+        assert not session.document.modified
+        assert shelf.scenes == {"mine": saved}
+        panel._open(UploadedFile("other.stl.toml", other))
+        session.tick(0.0)
+        assert list(shelf.scenes) == ["other", "mine"]
+        assert session.document.scene == shelf.scenes["other"]
     finally:
         session.close()
         server.stop()
