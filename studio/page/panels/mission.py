@@ -134,9 +134,11 @@ class MissionFields:
 
     def _apply(self, what: str, typed: Typed) -> None:
         """Change the scene that was typed for, unless another is open or more was typed."""
-        if self._typed.get(what) is not typed:
+        latest = self._typed.pop(what, None)
+        if latest is not typed:
+            if latest is not None:
+                self._typed.setdefault(what, latest)
             return
-        del self._typed[what]
         self._refused = None
         document = typed.document
         if self._session.document is document:
