@@ -47,17 +47,20 @@ def ranked(
     states = jnp.broadcast_to(state, (batch, *state.shape))
     values, margins = [], []
     for key in jax.random.split(draw_key, -(-count // batch)):
-        schedules = both_schedules(task.problem, controller.search or Search(), key, states)
+        schedules, scores = scored(task.problem, controller, key, states)
         rollout = roll_out(task, controller, states, schedules)
-        values.append(np.asarray(scores(task.problem, controller, states, schedules)))
+        values.append(np.asarray(scores))
         margins.append(trace_robustness(task, np.asarray(rollout.margins)))
     return np.concatenate(values)[:count], np.concatenate(margins)[:count]
 
 
 @program
-def scores(problem: Problem, controller: Controller, states: Array, schedules: Array) -> Array:
-    """The controller's values [R] of schedules [R, V] from states [R, n]."""
-    return jax.vmap(partial(controller.score, problem))(states, schedules)
+def scored(
+    problem: Problem, controller: Controller, key: Array, states: Array
+) -> tuple[Array, Array]:
+    """A schedule for each state [R, n], half of them drawn forward in time: [R, V], values [R]."""
+    schedules = both_schedules(problem, controller.search or Search(), key, states)
+    return schedules, jax.vmap(partial(controller.score, problem))(states, schedules)
 
 
 def area(values: np.ndarray, satisfied: np.ndarray) -> float:
