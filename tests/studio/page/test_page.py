@@ -10,6 +10,7 @@ from core.methods.training import TrainingConfig
 from scenes import load_task
 from studio.page.app import Studio
 from tests.studio.conftest import free_port, running
+from tests.studio.waiting import wait_for
 
 EDITOR = "textarea.mantine-Textarea-input"
 FORMULA = "F_[0:90](A1) & F_[40:80](A2) & G_[0:100](!B5)"
@@ -59,11 +60,23 @@ def wait_until_robot_leaves(page, position):
     )
 
 
+def map_box(page):
+    """Where the map is on the screen; it is away for a moment whenever it is drawn anew."""
+    boxes = []
+
+    def seen():
+        boxes.append(page.locator("image.tg-cells").first.bounding_box())
+        return boxes[-1] is not None
+
+    assert wait_for(seen)
+    return boxes[-1]
+
+
 def click_cell(page, horizontal, vertical):
     """Press the mouse on the heatmap, at shares of its width and height from the lower left."""
-    cells = page.locator("image.tg-cells").first
-    box = cells.bounding_box()
+    box = map_box(page)
     across, up = horizontal * box["width"], (1 - vertical) * box["height"]
+    cells = page.locator("image.tg-cells").first
     cells.click(position={"x": across, "y": up})  # waits until the map stands still
 
 

@@ -7,7 +7,7 @@ import pytest
 from scenes import load_task
 from studio.page.app import Studio
 from tests.studio.conftest import free_port, running
-from tests.studio.page.test_page import click_cell, schedule_shown, wait_for_text
+from tests.studio.page.test_page import click_cell, map_box, schedule_shown, wait_for_text
 from tests.studio.waiting import wait_for
 
 
@@ -21,7 +21,7 @@ def studio(disk_cache):
 
 def read_out(page, horizontal, vertical):
     """What the map says of a cell, at shares of its width and height from the lower left."""
-    box = page.locator("image.tg-cells").bounding_box()
+    box = map_box(page)
     across, up = horizontal * box["width"], (1 - vertical) * box["height"]
     page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     page.mouse.move(box["x"] + across, box["y"] + up)
