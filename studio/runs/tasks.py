@@ -82,12 +82,12 @@ def build_task(
     if formula is not None:
         scene = replace(scene, formula=formula)
     world = world_of(scene)
-    ground_scene(scene)
+    least = ground_scene(scene)
     findings = findings_of(scene) if force else require_possible(scene)
     geometries: dict[Any, GoalGeometry] = {}
 
     def build(extra: int) -> Task:
-        grounding = ground_scene(scene, extra)
+        grounding = ground_scene(scene, extra) if extra else least
         problem = _problem(
             scene, world, grounding, _geometry(scene, world, grounding, force, geometries)
         )

@@ -15,7 +15,7 @@ from studio.page.panels.progress import status_html
 from studio.page.session import Session
 from studio.page.settings import Settings
 from studio.page.trainer import Phase
-from tests.studio.waiting import wait_for
+from tests.studio.waiting import ticked
 
 SCENE = load_task("linear-01")
 
@@ -37,18 +37,10 @@ def make_session(disk_cache):
         session.close()
 
 
-def reached(session: Session, condition) -> bool:
-    def check() -> bool:
-        session.tick(0.0)
-        return condition()
-
-    return wait_for(check)
-
-
 def test_it_is_trained_shown_and_kept(make_session, tmp_path):
     session = make_session("grad")
     session.train()
-    assert reached(session, lambda: session.training.phase in (Phase.DONE, Phase.FAILED))
+    assert ticked(session, lambda: session.training.phase in (Phase.DONE, Phase.FAILED))
     assert session.training.phase is Phase.DONE, session.training.error
     assert session.training.chains is None and session.training.obstacle == ""
 
@@ -58,7 +50,7 @@ def test_it_is_trained_shown_and_kept(make_session, tmp_path):
             return False
         return shown.subject.controller.search is None
 
-    assert reached(session, answered), session.analyst.error
+    assert ticked(session, answered), session.analyst.error
     with pytest.raises(UserError, match=NO_SCHEDULES):
         keeping.heatmap_file(session)
     assert keeping.csv_file(session).content
@@ -68,14 +60,14 @@ def test_it_is_trained_shown_and_kept(make_session, tmp_path):
     assert (policy.method, policy.mode, policy.scene) == ("grad", "studio", SCENE)
 
     session.load(policy, "the file")
-    assert reached(session, lambda: session.analyst.picture is not None), session.analyst.error
+    assert ticked(session, lambda: session.analyst.picture is not None), session.analyst.error
     assert session.training.phase is Phase.LOADED
 
 
 def test_a_formula_that_it_does_not_know_is_told(make_session):
     session = make_session("f-mdp", load_task("linear-08"))
     session.train()
-    assert reached(session, lambda: session.training.phase is Phase.FAILED)
+    assert ticked(session, lambda: session.training.phase is Phase.FAILED)
     assert "holds a third layer" in session.training.error
 
 
