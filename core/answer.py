@@ -11,26 +11,19 @@ Dimensions: K candidates, L steps, V variables, G subgoals, n state, m action, A
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.compilation import key_shape, program, shape_of
+from core.candidates import Ranking, ranked
 from core.controller import Controller
 from core.evaluation import rollout_robustness
 from core.rollout import Rollout, roll_out, rollout_jobs
 from core.task.physics import physics_of
-from core.task.problem import Problem
 from core.task.protocols import Array
-from core.task.schedules import both_schedules
 from core.task.task import Task
-from core.task.windows import windows_of
-
-DRAWN = 512
-"""Schedules that the critic ranks in a round: half of them uniform, half drawn forward."""
 
 TRIED, TRIED_IN_PHYSICS = 64, 8
 """K, schedules that are carried out in a round, by the robot's own `step` or in true physics."""
@@ -79,13 +72,6 @@ class Answer:
     """Wall-clock time, compilation apart if it had been done before."""
 
 
-class Ranking(NamedTuple):
-    """Candidates, the one that scores highest first."""
-
-    schedules: Array | np.ndarray  # [N, V]
-    orders: Array | np.ndarray  # [N, G] subgoals in order of start, -1 for those that do not open
-
-
 def answer(
     task: Task, controller: Controller, state: Array, *, seed: int = 0, rounds: int = ROUNDS
 ) -> Answer:
@@ -101,7 +87,7 @@ def answer(
 
     def rank(number: int) -> Ranking:
         key = jax.random.fold_in(jax.random.key(seed), number)
-        return ranked(task.problem, controller, key, state, count=DRAWN)
+        return ranked(task.problem, controller, key, state)
 
     def carry_out(schedules: np.ndarray) -> Rollout:
         states = jnp.broadcast_to(state, (len(schedules), *state.shape))
@@ -151,36 +137,12 @@ def best_answer(
 
 def answer_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]]:
     """Compilations that an answer needs, and the share of K starts that succeed with it."""
-    state: Any = shape_of(task.robot.state_size, dtype=jnp.float32)
-    ranking = partial(ranked.compile, task.problem, controller, key_shape(), state, count=DRAWN)
-    return [ranking, *rollout_jobs(task, controller, tries(task))]
+    return rollout_jobs(task, controller, tries(task))
 
 
 def tries(task: Task) -> int:
     """K for a task's robot: rollouts in the one program that answers and samples share."""
     return TRIED if physics_of(task.robot) is None else TRIED_IN_PHYSICS
-
-
-@program
-def ranked(
-    problem: Problem, controller: Controller, key: Array, state: Array, *, count: int
-) -> Ranking:
-    """Candidates from a state [n] that the controller likes; half are drawn forward in time."""
-    formula, search = problem.formula, controller.search
-    subgoals = formula.subgoals.mask.shape[0]
-    if search is None:
-        nothing = jnp.zeros((count, *formula.low.shape), jnp.int32)
-        return Ranking(nothing, jnp.zeros((count, subgoals), jnp.int32))
-    states = jnp.broadcast_to(state, (count, *state.shape))
-    schedules = both_schedules(problem, search, key, states)
-    score = jax.vmap(partial(controller.score, problem, state))(schedules)
-    best_first = schedules[jnp.argsort(-score)]
-
-    def order(schedule: Array) -> Array:
-        windows = windows_of(problem, schedule)
-        return jnp.where(jnp.arange(subgoals) < windows.count, windows.order, -1)
-
-    return Ranking(best_first, jax.vmap(order)(best_first))
 
 
 class _Chosen(NamedTuple):

@@ -19,16 +19,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import (
-    DRAWN,
-    ROUNDS,
-    Plan,
-    Ranking,
-    answer_jobs,
-    best_answer,
-    ranked,
-    tries,
-)
+from core.answer import ROUNDS, Plan, answer_jobs, best_answer, tries
+from core.candidates import BLOCK, Ranking, ranked
 from core.compilation import program, shape_of
 from core.controller import Controller
 from core.errors import UserError
@@ -103,7 +95,7 @@ def replan(  # noqa: PLR0913
     def rank(number: int) -> Ranking:
         key = jax.random.fold_in(jax.random.key(seed), number)
         problem = replace(task.problem, formula=domains[number % len(domains)])
-        drawn = ranked(later(problem, step), controller, key, here, count=DRAWN)
+        drawn = ranked(later(problem, step), controller, key, here)
         return _unspoilt(task, seen, step, _with_first(drawn, times))
 
     def carry_out(schedules: np.ndarray) -> Rollout:
@@ -123,7 +115,7 @@ def replan_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]]:
     states = shape_of(task.padded_horizon + 1, task.robot.state_size, dtype=jnp.float32)
     mu = _seen.shapes(task.problem, states).extended
     variables = task.problem.formula.low.shape
-    step, schedules = shape_of(dtype=jnp.int32), shape_of(DRAWN, *variables, dtype=jnp.int32)
+    step, schedules = shape_of(dtype=jnp.int32), shape_of(BLOCK, *variables, dtype=jnp.int32)
     return [
         *answer_jobs(task, controller),
         *roll_on_jobs(task, controller, tries(task)),

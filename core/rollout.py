@@ -11,12 +11,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from core.candidates import candidate_jobs, choose_schedules
 from core.compilation import key_shape, program, shape_of
 from core.controller import Controller
 from core.task.physics import physics_of
 from core.task.problem import Problem, initial_states, trace_margins
 from core.task.protocols import Array
-from core.task.schedules import feasible_schedules
 from core.task.task import Task
 
 
@@ -30,28 +30,6 @@ class Rollout(NamedTuple):
 
 start_states = program(initial_states)
 """`start_states(problem, key, count=R)`: compiled `initial_states`."""
-
-
-@program
-def choose_schedules(
-    problem: Problem, controller: Controller, key: Array, states: Array
-) -> tuple[Array, Array]:
-    """The controller's choice for each state [R, n]: schedules [R, V] and their scores [R].
-
-    Of K candidates for each state, the one that scores highest. Zeros for a controller that
-    knows no schedules.
-    """
-    count, search = states.shape[0], controller.search
-    if search is None:
-        return jnp.zeros((count, *problem.formula.low.shape), jnp.int32), jnp.zeros(count)
-    draw_key, deal_key = jax.random.split(key)
-    pool = jnp.repeat(states, max(1, search.candidates // 8), axis=0)
-    drawn = feasible_schedules(problem, search, draw_key, pool)
-    dealt = drawn[jax.random.randint(deal_key, (count, search.candidates), 0, drawn.shape[0])]
-    over_candidates = jax.vmap(partial(controller.score, problem), (None, 0))
-    score = jax.vmap(over_candidates)(states, dealt)
-    best, row = score.argmax(1), jnp.arange(count)
-    return dealt[row, best], score[row, best]
 
 
 def roll_out(task: Task, controller: Controller, states: Array, schedules: Array) -> Rollout:
@@ -141,7 +119,7 @@ def rollout_jobs(task: Task, controller: Controller, count: int) -> list[Callabl
     schedules = shape_of(count, *problem.formula.low.shape, dtype=jnp.int32)
     jobs: list[Callable[[], Any]] = [
         partial(start_states.compile, problem, key_shape(), count=count),
-        partial(choose_schedules.compile, problem, controller, key_shape(), states),
+        *candidate_jobs(task, controller),
     ]
     physics = physics_of(task.robot)
     if physics is None:

@@ -7,11 +7,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from core.candidates import choose_schedules
 from core.evaluation import trace_robustness
 from core.mdp.paper_mode import PaperMode
 from core.methods.tgpo.algorithm import make_algorithm
 from core.methods.training import TrainingConfig, final_evaluation, fresh_state, train
-from core.rollout import choose_schedules, roll_out, start_states
+from core.rollout import roll_out, start_states
 from core.stl import atom_names, parse, satisfied, to_text
 from core.task.windows import RESERVE, tightest_leg, windows_of
 from envs import ENVS, Linear, Unicycle

@@ -8,6 +8,7 @@ Dimensions: N schedules, V variables.
 
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,13 +16,22 @@ import jax.numpy as jnp
 from core.task.grounding import FormulaArrays
 from core.task.problem import Problem
 from core.task.protocols import Array
-from core.task.windows import RESERVE, Legs, Windows, lacking_of, leg_slack, legs_of, windows_of
+from core.task.windows import (
+    RESERVE,
+    Legs,
+    Windows,
+    lacking_of,
+    leg_slack,
+    legs_of,
+    shortfall_of,
+    windows_of,
+)
 
 FIRST_DRAWS = 8
 """Uniform schedules of which mending begins with the best."""
 
-MENDINGS = 16
-"""Times that a schedule is mended."""
+MENDINGS = 17
+"""Times that a schedule is mended; what the last mending gives is not looked at."""
 
 PREFER_LATER = 0.5
 """How much likelier a later arrival is than an earlier departure, 0 for equally likely."""
@@ -43,81 +53,90 @@ class Search:
 
 def uniform_schedules(formula: FormulaArrays, key: Array, count: int) -> Array:
     """Schedules [N, V], every variable uniform over its domain."""
-    shape = (count, formula.low.shape[0])
-    return jax.random.randint(key, shape, formula.low, formula.high + 1)
+    chance = jax.random.uniform(key, (count, formula.low.shape[0]))
+    return _integers(chance, formula.low, formula.high)
 
 
-def feasible_schedules(problem: Problem, search: Search, key: Array, states: Array) -> Array:
+def feasible_schedules(
+    problem: Problem, search: Search, key: Array, states: Array, *, forward: int = 0
+) -> Array:
     """One schedule for each of the states [N, n]: [N, V].
 
     Where the search prunes, one of the least shortfall among `draws` uniform schedules, ties
     broken at random: uniform over those that leave time to travel wherever there are some. One
-    that leaves too little is mended.
+    that leaves too little is mended. The last `forward` of the schedules begin with only
+    `FIRST_DRAWS`, so that more are mended: forward in time, as tight missions need it, whose
+    times follow each other closely.
     """
-    return _drawn(problem, search, key, states, search.draws)
-
-
-def forward_schedules(problem: Problem, search: Search, key: Array, states: Array) -> Array:
-    """One schedule for each of the states [N, n]: [N, V], mended forward in time.
-
-    The same from only a few uniform schedules, so that more are mended: those of tight missions,
-    whose times follow each other closely.
-    """
-    return _drawn(problem, search, key, states, min(search.draws, FIRST_DRAWS))
-
-
-def both_schedules(problem: Problem, search: Search, key: Array, states: Array) -> Array:
-    """One schedule for each of the states [N, n]: [N, V], those of the latter half forward."""
-    uniform_key, forward_key = jax.random.split(key)
-    half = states.shape[0] // 2
-    return jnp.concatenate(
-        [
-            feasible_schedules(problem, search, uniform_key, states[:half]),
-            forward_schedules(problem, search, forward_key, states[half:]),
-        ]
-    )
-
-
-def _drawn(problem: Problem, search: Search, key: Array, states: Array, draws: int) -> Array:
-    """The best of so many uniform schedules, mended: [N, V]."""
-    count = states.shape[0]
+    count, formula = states.shape[0], problem.formula
     if not search.prune:
-        return uniform_schedules(problem.formula, key, count)
-    draw_key, tie_key, mend_key = jax.random.split(key, 3)
-    drawn = uniform_schedules(problem.formula, draw_key, count * draws)
+        return uniform_schedules(formula, key, count)
+    draws, variables = search.draws, formula.low.shape[0]
+    chance = _chances(key, count, draws, variables)
+    drawn = _integers(chance.first, formula.low, formula.high)
     positions = jax.vmap(problem.robot.position)(states)
-    repeated = jnp.repeat(positions, draws, axis=0)
-    short = jax.vmap(partial(shortfall, problem, reserve=search.reserve))(repeated, drawn)
-    short = short.reshape(count, draws)
-    score = short + 1e-3 * jax.random.uniform(tie_key, short.shape)
-    best = drawn.reshape(count, draws, -1)[jnp.arange(count), score.argmin(1)]
-    keys = jax.random.split(mend_key, count)
-    return jax.vmap(partial(_mended, problem, reserve=search.reserve))(keys, positions, best)
+    of_all = jax.vmap(partial(shortfall, problem, reserve=search.reserve), (None, 0))
+    score = jax.vmap(of_all)(positions, drawn) + 1e-3 * chance.tie
+    few = jnp.arange(count) >= count - forward
+    passed_over = few[:, None] & (jnp.arange(draws) >= min(draws, FIRST_DRAWS))
+    best = jnp.where(passed_over, jnp.inf, score).argmin(1)
+    mend = partial(_mended, problem, reserve=search.reserve)
+    return jax.vmap(mend)(chance.mending, positions, drawn[jnp.arange(count), best])
+
+
+class _Mending(NamedTuple):
+    """What decides one mending: numbers, uniform between 0 and 1."""
+
+    preference: Array  # [..., V]
+    amount: Array  # [...]
+    other: Array  # [...]
+    fresh: Array  # [...]
+
+
+class _Chances(NamedTuple):
+    """What decides schedules: numbers, uniform between 0 and 1."""
+
+    first: Array  # [N, draws, V]
+    tie: Array  # [N, draws]
+    mending: _Mending  # [N, MENDINGS]
+
+
+def _chances(key: Array, count: int, draws: int, variables: int) -> _Chances:
+    """All drawn in one call: each call of the generator takes long to compile."""
+    of_first, of_mending = draws * (variables + 1), MENDINGS * (variables + 3)
+    numbers = jax.random.uniform(key, (count, of_first + of_mending))
+    first = numbers[:, :of_first].reshape(count, draws, variables + 1)
+    last = numbers[:, of_first:].reshape(count, MENDINGS, variables + 3)
+    mending = _Mending(last[..., :-3], last[..., -3], last[..., -2], last[..., -1])
+    return _Chances(first[..., :-1], first[..., -1], mending)
+
+
+def _integers(chance: Array, low: Array, high: Array) -> Array:
+    """Integers from `low` to `high`, uniform where the chances between 0 and 1 are."""
+    return jnp.minimum(low + jnp.floor(chance * (high - low + 1)).astype(jnp.int32), high)
 
 
 def _mended(
-    problem: Problem, key: Array, position: Array, schedule: Array, *, reserve: float
+    problem: Problem, chances: _Mending, position: Array, schedule: Array, *, reserve: float
 ) -> Array:
     """The schedule [V] of least shortfall among those on the way of `MENDINGS` mendings."""
 
-    def mend(carry: tuple[Array, Array, Array], mend_key: Array):
+    def mend(carry: tuple[Array, Array, Array], chance: _Mending):
         current, best, least = carry
         windows = windows_of(problem, current)
-        short = leg_slack(problem, windows, position, reserve)[1]
-        best = jnp.where(short < least, current, best)
         legs = legs_of(problem, windows, position, reserve)
-        following = _mend_once(problem.formula, mend_key, windows, legs, current)
+        short = shortfall_of(problem.formula, windows, legs)
+        best = jnp.where(short < least, current, best)
+        following = _mend_once(problem.formula, chance, windows, legs, current)
         return (following, best, jnp.minimum(short, least)), None
 
-    keys = jax.random.split(key, MENDINGS)
     carry = schedule, schedule, jnp.asarray(jnp.inf)
-    (last, best, least), _ = jax.lax.scan(mend, carry, keys)
-    short = shortfall(problem, position, last, reserve=reserve)
-    return jnp.where(short < least, last, best)
+    (_, best, _), _ = jax.lax.scan(mend, carry, chances)
+    return best
 
 
 def _mend_once(
-    formula: FormulaArrays, key: Array, windows: Windows, legs: Legs, schedule: Array
+    formula: FormulaArrays, chance: _Mending, windows: Windows, legs: Legs, schedule: Array
 ) -> Array:
     """The schedule [V] with one variable drawn anew, so that its first short leg has time.
 
@@ -147,15 +166,13 @@ def _mend_once(
     raised, lowered = schedule + lacking, schedule - lacking
     helps = (weight > 0) & (raised <= formula.high) | (weight < 0) & (lowered >= formula.low)
     helps = helps & (lacks.any() | (unmet > 0).any())
-    which_key, any_key, value_key, fresh_key = jax.random.split(key, 4)
-    preference = jax.random.uniform(which_key, helps.shape) + PREFER_LATER * (weight > 0)
+    preference = chance.preference + PREFER_LATER * (weight > 0)
     chosen = jnp.where(helps, preference, -1.0).argmax()
-    amount = jax.random.uniform(value_key) ** 2
     room = jnp.where(weight > 0, formula.high - raised, lowered - formula.low)[chosen]
-    further = jnp.floor(amount * (room + 1)).astype(jnp.int32)
+    further = jnp.floor(chance.amount**2 * (room + 1)).astype(jnp.int32)
     mended = jnp.where(weight > 0, raised + further, lowered - further)[chosen]
-    other = jax.random.randint(any_key, (), 0, jnp.maximum(formula.variables, 1))
-    fresh = jax.random.randint(fresh_key, (), formula.low[other], formula.high[other] + 1)
+    other = _integers(chance.other, jnp.zeros((), jnp.int32), jnp.maximum(formula.variables, 1) - 1)
+    fresh = _integers(chance.fresh, formula.low[other], formula.high[other])
     variable, value = (jnp.where(helps.any(), *pair) for pair in ((chosen, other), (mended, fresh)))
     return schedule.at[variable].set(value)
 

@@ -125,10 +125,18 @@ def leg_slack(
     next one starts, the regions must meet. What is visited must not be forbidden at that time.
     """
     legs = legs_of(problem, windows, position, reserve)
-    slack = jnp.where(legs.live, legs.available - legs.needed, 0.0)
-    short = jax.nn.relu(-slack).sum() + UNREACHABLE * (legs.conflict.sum() + legs.barred.sum())
-    lacking = lacking_of(problem.formula, windows.schedule)
-    return slack, short + UNREACHABLE * lacking.sum()
+    return _slack(legs), shortfall_of(problem.formula, windows, legs)
+
+
+def shortfall_of(formula: FormulaArrays, windows: Windows, legs: Legs) -> Array:
+    """The shortfall [] of a schedule with these windows and legs; see `leg_slack`."""
+    forbidden = legs.conflict.sum() + legs.barred.sum()
+    lacking = lacking_of(formula, windows.schedule).sum()
+    return jax.nn.relu(-_slack(legs)).sum() + UNREACHABLE * (forbidden + lacking)
+
+
+def _slack(legs: Legs) -> Array:
+    return jnp.where(legs.live, legs.available - legs.needed, 0.0)
 
 
 def lacking_of(formula: FormulaArrays, schedule: Array) -> Array:

@@ -7,9 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from core.answer import answer, answer_jobs, tries
+from core.candidates import choose_schedules
 from core.compilation import compile_together
 from core.replanning import Past, replan, replan_jobs
-from core.rollout import choose_schedules, roll_out, start_states
+from core.rollout import roll_out, start_states
 from studio.page.picture import padded, repeated
 from studio.page.subject import Subject
 from studio.runs.recording import Recording, record

@@ -6,9 +6,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import tries
+from core.candidates import ranked
 from core.heatmap import ALTERNATIVES, Heatmap, best_schedule, heatmap, random_schedules
-from core.rollout import choose_schedules
 from core.task.protocols import Array
 from core.task.task import Task
 from core.truth import Truth, nothing_simulated, simulate_more
@@ -117,13 +116,9 @@ def best_cell(drawn: Heatmap) -> tuple[int, ...]:
 
 
 def _choice(subject: Subject, state: Array) -> tuple[int, ...]:
-    """The best of the schedules that the controller is offered in an evaluation."""
+    """The best of the schedules that the controller is offered for an answer."""
     task = subject.task
-    states = repeated(state, tries(task))
-    schedules, values = choose_schedules(
-        task.problem, subject.controller, jax.random.key(0), states
-    )
-    best = np.asarray(schedules)[int(np.asarray(values).argmax())]
+    best = ranked(task.problem, subject.controller, jax.random.key(0), state).schedules[0]
     return task.grounding.decomposition.own_values(best)
 
 

@@ -19,7 +19,7 @@ from core.rollout import roll_out, start_states
 from core.task.physics import physics_of
 from core.task.problem import Problem
 from core.task.protocols import Array
-from core.task.schedules import both_schedules
+from core.task.schedules import feasible_schedules
 from envs import make_robot
 from studio.runs.missions import curriculum
 
@@ -59,6 +59,8 @@ def outcome_critic(robot_name: str, controller: TgpoController, seed: int) -> Ou
 @program
 def _drawn(problem: Problem, controller: TgpoController, key: Array, states: Array) -> Any:
     """A schedule for each state [R, n], half of them drawn forward in time: [R, V], [R, h]."""
-    schedules = both_schedules(problem, controller.search, key, states)
+    schedules = feasible_schedules(
+        problem, controller.search, key, states, forward=states.shape[0] // 2
+    )
     features = partial(outcome_features, controller.algorithm, problem)
     return schedules, jax.vmap(features)(states, schedules)

@@ -19,7 +19,7 @@ from core.stl import to_text
 from core.task.feasibility import Finding, Severity
 from core.task.problem import Problem, initial_states
 from core.task.protocols import Array
-from core.task.schedules import Search, forward_schedules, shortfall
+from core.task.schedules import Search, feasible_schedules, shortfall
 from core.task.task import Task
 from core.task.windows import TightLeg, tightest_leg, windows_of
 
@@ -95,7 +95,7 @@ def _drawn(problem: Problem) -> tuple[Array, Array, TightLeg]:
     state_key, draw_key = jax.random.split(jax.random.key(0))
     states = jnp.repeat(initial_states(problem, state_key, count=STATES), DRAWN, axis=0)
     search = Search()
-    schedules = forward_schedules(problem, search, draw_key, states)
+    schedules = feasible_schedules(problem, search, draw_key, states, forward=states.shape[0])
     positions = jax.vmap(problem.robot.position)(states)
     short = jax.vmap(partial(shortfall, problem, reserve=search.reserve))(positions, schedules)
     best = short.argmin()

@@ -23,7 +23,7 @@ from core.evaluation import trace_robustness
 from core.rollout import roll_out, start_states
 from core.task.problem import Problem
 from core.task.protocols import Array
-from core.task.schedules import Search, both_schedules
+from core.task.schedules import Search, feasible_schedules
 from core.task.task import Task
 from core.truth import ranks, spearman
 from scenes import load_task
@@ -59,7 +59,8 @@ def scored(
     problem: Problem, controller: Controller, key: Array, states: Array
 ) -> tuple[Array, Array]:
     """A schedule for each state [R, n], half of them drawn forward in time: [R, V], values [R]."""
-    schedules = both_schedules(problem, controller.search or Search(), key, states)
+    search = controller.search or Search()
+    schedules = feasible_schedules(problem, search, key, states, forward=len(states) // 2)
     return schedules, jax.vmap(partial(controller.score, problem))(states, schedules)
 
 

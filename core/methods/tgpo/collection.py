@@ -19,7 +19,7 @@ from core.methods.tgpo.controller import schedule_value
 from core.methods.tgpo.sampler import Elite, metropolis_hastings
 from core.task.problem import Problem, initial_states
 from core.task.protocols import Array
-from core.task.schedules import feasible_schedules, forward_schedules, uniform_schedules
+from core.task.schedules import feasible_schedules, uniform_schedules
 
 
 class Batch(NamedTuple):
@@ -55,15 +55,12 @@ def mixed_schedules(
     states: Array,
 ) -> tuple[Array, Array]:
     """Hybrid sampling (Alg. 1): schedules [N, V] for an epoch's episodes, and the new chains."""
-    uniform_key, restart_key, chain_key, forward_key = jax.random.split(key, 4)
+    uniform_key, restart_key, chain_key = jax.random.split(key, 3)
     guided, elites = algorithm.count_mcmc, algorithm.count_elite
     uniform = algorithm.environments - guided - elites
     forward = round(algorithm.share_forward * uniform)
     chains, search = sources.chains, algorithm.search
-    parts = [feasible_schedules(problem, search, uniform_key, states[: uniform - forward])]
-    if forward:
-        mended = states[uniform - forward : uniform]
-        parts.append(forward_schedules(problem, search, forward_key, mended))
+    parts = [feasible_schedules(problem, search, uniform_key, states[:uniform], forward=forward)]
     if guided:
         at = states[uniform : uniform + guided]
         if not algorithm.persistent_chains:

@@ -10,7 +10,6 @@ from core.task.problem import Problem, initial_states
 from core.task.schedules import (
     Search,
     feasible_schedules,
-    forward_schedules,
     shortfall,
     uniform_schedules,
 )
@@ -36,7 +35,7 @@ def _draw(problem: Problem, key: jax.Array) -> dict[str, tuple[jax.Array, jax.Ar
     drawn = {
         "uniform": uniform_schedules(problem.formula, keys[0], COUNT),
         "feasible": feasible_schedules(problem, SEARCH, keys[1], states),
-        "forward": forward_schedules(problem, SEARCH, keys[2], states),
+        "forward": feasible_schedules(problem, SEARCH, keys[2], states, forward=COUNT),
     }
     return {name: (found, (short(positions, found) <= 0).mean()) for name, found in drawn.items()}
 
@@ -78,5 +77,5 @@ def test_a_search_that_does_not_prune_draws_uniformly(disk_cache):
     problem = build_task(load_task("linear-05")).problem
     key = jax.random.key(0)
     states = initial_states(problem, key, count=8)
-    drawn = forward_schedules(problem, Search(prune=False), key, states)
+    drawn = feasible_schedules(problem, Search(prune=False), key, states)
     np.testing.assert_array_equal(drawn, uniform_schedules(problem.formula, key, 8))
