@@ -125,14 +125,20 @@ def combined(
         margin = jnp.concatenate([margin, own_margin])
         gradient = jnp.concatenate([gradient, own_gradient])
     row, *others = compound.parts.T
-    value = margin[row]
+    value = _rows_at(margin, row)
     for other in others:  # faster than a maximum over a table
-        row = jnp.where(margin[other] > value, other, row)
-        value = margin[row]
+        candidate = _rows_at(margin, other)
+        row = jnp.where(candidate > value, other, row)
+        value = jnp.maximum(candidate, value)
     return (
         jnp.where(compound.used, value, PADDING_MARGIN),
-        jnp.where(compound.used[:, None], gradient[row], 0.0),
+        jnp.where(compound.used[:, None], _rows_at(gradient, row), 0.0),
     )
+
+
+def _rows_at(table: jax.Array, rows: jax.Array) -> jax.Array:
+    """Rows of a table, all of which it has."""
+    return table.at[rows].get(mode="promise_in_bounds")
 
 
 def _turned(turn: jax.Array, vectors: jax.Array) -> jax.Array:
