@@ -20,6 +20,7 @@ from scenes.scene import (
     unit_of,
     workspace_of,
 )
+from scenes.shared import ROOM, shared_world
 from scenes.world import (
     GoalGeometry,
     GridWorld,
@@ -30,6 +31,7 @@ from scenes.world import (
 )
 
 __all__ = [
+    "ROOM",
     "GoalGeometry",
     "GridWorld",
     "Predicate",
@@ -54,6 +56,7 @@ __all__ = [
     "save_scene",
     "scene_formula",
     "scene_reading",
+    "shared_world",
     "task_names",
     "unit_of",
     "walls",

@@ -33,6 +33,14 @@ _TINY = 1e-12  # squared length in [m^2] under which a direction counts as undef
 _ANY_HEIGHT = 1e6  # [m] half height of a polygon of the plane
 
 
+class Room(NamedTuple):
+    """Sizes that compound regions are padded to at least, whether there are any or not."""
+
+    polygons: int
+    corners: int
+    parts: int
+
+
 class Compound(NamedTuple):
     """How regions are made of turned shapes and polygons."""
 
@@ -48,7 +56,9 @@ def shapes_of(regions: Sequence[Region]) -> list[Region]:
     return [piece for region in regions for piece in region.pieces if piece.kind in SHAPES]
 
 
-def compound_of(regions: Sequence[Region], dimension: int, capacity: int, rows: int) -> Compound:
+def compound_of(
+    regions: Sequence[Region], dimension: int, capacity: int, rows: int, room: Room | None = None
+) -> Compound:
     """Pack regions, for `capacity` of them with `rows` rows of shapes."""
     shapes, outlines, owner_of_shape, owner_of_outline = [], [], [], []
     for number, region in enumerate(regions):
@@ -56,9 +66,11 @@ def compound_of(regions: Sequence[Region], dimension: int, capacity: int, rows: 
             flat = piece.kind in SHAPES
             (shapes if flat else outlines).append(piece)
             (owner_of_shape if flat else owner_of_outline).append(number)
-    count = padded(len(outlines), LEAST_POLYGONS) if outlines else 0
+    if room is None:
+        room = Room(LEAST_POLYGONS if outlines else 0, LEAST_CORNERS, 1)
+    count = padded(len(outlines), room.polygons)
     most = max((len(piece.points) for piece in outlines), default=0)
-    corners = np.zeros((count, padded(most, LEAST_CORNERS) if outlines else 0, 2), np.float32)
+    corners = np.zeros((count, padded(most, room.corners) if count else 0, 2), np.float32)
     height = np.tile(np.array([0.0, _ANY_HEIGHT], np.float32), (count, 1))
     for row, piece in enumerate(outlines):
         points = counter_clockwise(piece.points)
@@ -72,7 +84,7 @@ def compound_of(regions: Sequence[Region], dimension: int, capacity: int, rows: 
         found[number].append(row)
     for row, number in enumerate(owner_of_outline):
         found[number].append(rows + row)
-    parts = np.zeros((capacity, padded(max(map(len, found), default=1), 1)), np.int32)
+    parts = np.zeros((capacity, padded(max(map(len, found), default=1), room.parts)), np.int32)
     for number, own in enumerate(found):
         parts[number] = [own[min(i, len(own) - 1)] for i in range(parts.shape[1])]
     used = np.arange(capacity) < len(regions)
@@ -113,14 +125,20 @@ def combined(
         margin = jnp.concatenate([margin, own_margin])
         gradient = jnp.concatenate([gradient, own_gradient])
     row, *others = compound.parts.T
-    value = margin[row]
+    value = _rows_at(margin, row)
     for other in others:  # faster than a maximum over a table
-        row = jnp.where(margin[other] > value, other, row)
-        value = margin[row]
+        candidate = _rows_at(margin, other)
+        row = jnp.where(candidate > value, other, row)
+        value = jnp.maximum(candidate, value)
     return (
         jnp.where(compound.used, value, PADDING_MARGIN),
-        jnp.where(compound.used[:, None], gradient[row], 0.0),
+        jnp.where(compound.used[:, None], _rows_at(gradient, row), 0.0),
     )
+
+
+def _rows_at(table: jax.Array, rows: jax.Array) -> jax.Array:
+    """Rows of a table, all of which it has."""
+    return table.at[rows].get(mode="promise_in_bounds")
 
 
 def _turned(turn: jax.Array, vectors: jax.Array) -> jax.Array:

@@ -27,6 +27,7 @@ import numpy as np
 from scenes.compound import (
     PADDING_MARGIN,
     Compound,
+    Room,
     combined,
     compound_of,
     into,
@@ -53,8 +54,13 @@ class RegionArrays(NamedTuple):
     """How the regions are made of the rows; None where each is its row."""
 
 
-def region_arrays(regions: tuple[Region, ...], dimension: int, capacity: int) -> RegionArrays:
-    """Pack regions of one dimension, in order, into arrays for `capacity` regions."""
+def region_arrays(
+    regions: tuple[Region, ...], dimension: int, capacity: int, room: Room | None = None
+) -> RegionArrays:
+    """Pack regions of one dimension, in order, into arrays for `capacity` regions.
+
+    With `room`, all sets of regions that fit into it have arrays of the same shapes.
+    """
     if len(regions) > capacity:
         raise SceneError(f"{len(regions)} regions are too many: at most {capacity} are allowed")
     for region in regions:
@@ -63,12 +69,12 @@ def region_arrays(regions: tuple[Region, ...], dimension: int, capacity: int) ->
                 f"region {region.name!r} is a {region.kind} of dimension {region.dimension}; "
                 f"the workspace has dimension {dimension}"
             )
-    if all(region.kind in _CODES and region.angle == 0 for region in regions):
+    if room is None and all(region.kind in _CODES and region.angle == 0 for region in regions):
         return _rows(regions, dimension, capacity)
     shapes = shapes_of(regions)
     count = padded(len(shapes), capacity)
     return _rows(shapes, dimension, count)._replace(
-        compound=compound_of(regions, dimension, capacity, count)
+        compound=compound_of(regions, dimension, capacity, count, room)
     )
 
 

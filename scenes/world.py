@@ -17,6 +17,7 @@ import numpy as np
 from core.stl import Formula, robustness, to_text
 from envs import Workspace
 from scenes.arena import Arena, cells, fitted, holding, hull
+from scenes.compound import Room
 from scenes.fields import Grid, geodesic_field, interpolate
 from scenes.margins import PADDING_MARGIN, RegionArrays, margins_and_gradients, region_arrays
 from scenes.predicates import positional_margins, without_state
@@ -158,18 +159,28 @@ class GoalGeometry(NamedTuple):
     legs: np.ndarray  # [M, G, G] distance from subgoal i's region to subgoal j's [m]
 
 
-def world_arrays(scene: Scene, capacity: int, fields: np.ndarray) -> WorldArrays:
-    """Data of a scene for `GridWorld.compiled`, with fields [F, *grid, 1 + d]."""
+def world_arrays(
+    scene: Scene,
+    capacity: int,
+    fields: np.ndarray,
+    world: GridWorld | None = None,
+    room: Room | None = None,
+) -> WorldArrays:
+    """Data of a scene for `world.compiled`, with fields [F, *grid, 1 + d].
+
+    The world is the scene's own unless given. With `room`, regions that fit into it have arrays of
+    the same shapes.
+    """
     initial = scene.initial
     center = np.asarray(initial.center, np.float32)
     half = initial.half_extents.astype(np.float32)
     return WorldArrays(
-        region_arrays(scene.regions, scene.dimension, capacity),
+        region_arrays(scene.regions, scene.dimension, capacity, room),
         fields,
         center - half,
         center + half,
         round_axes(initial),
-        world_of(scene).frame,
+        (world_of(scene) if world is None else world).frame,
         cells_of(initial),
     )
 

@@ -7,8 +7,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from scenes.missions.floor import Area, Door, Family, Floor, new_floor, rectangle
+from scenes.missions.floor import Area, Door, Family, Floor, new_floor
 from scenes.missions.measures import Measures
+from scenes.missions.outlines import rectangle
+from scenes.missions.slanted import hall, slanted
 
 CROSSINGS_OF_TWO = 3
 """Ways across the arena that a mission with two doors needs time for."""
@@ -202,6 +204,8 @@ FAMILIES: MappingProxyType[str, Family] = MappingProxyType(
         "doors": doors,
         "pillars": pillars,
         "box": box,
+        "slanted": slanted,
+        "hall": hall,
         "rooms": rooms,
         "s-bend": s_bend,
         "chamber": chamber,

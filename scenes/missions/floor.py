@@ -5,18 +5,24 @@ the plan into space.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from core.errors import UserError
 from scenes.layouts import half_extents
 from scenes.missions.measures import Measures
+from scenes.missions.outlines import circle, rectangle
 from scenes.missions.placing import find_position
+from scenes.missions.shapes import varied
 from scenes.regions import Region
+from scenes.shared import ROOM
 
 PLACES = 60
 """Positions tried for a region."""
+
+VARIED = 0.4
+"""Share of obstacles and goals that are neither circles nor rectangles along the axes."""
 
 SMALLEST_PIECE = 0.1
 """Pieces of walls shorter than this are left out, in units."""
@@ -32,10 +38,12 @@ class Piece:
     Attributes:
         region: Its outline.
         tall: Whether it reaches from floor to ceiling for certain.
+        free: Whether it stands apart from all others.
     """
 
     region: Region
     tall: bool
+    free: bool = False
 
 
 @dataclass(frozen=True)
@@ -64,6 +72,9 @@ class Floor:
         largest: Largest half size of what lies in `goal_areas`, in [m].
         closed: An area without start and keys.
         zone: A region to remain in.
+        outside: Parts of the free floor's box that are not in the zone.
+        varied: Whether regions may have any shape.
+        polygons: How many more of them may be polygons.
     """
 
     measures: Measures
@@ -81,6 +92,9 @@ class Floor:
     largest: float = np.inf
     closed: Area | None = None
     zone: Region | None = None
+    outside: list[Region] = field(default_factory=list)
+    varied: bool = False
+    polygons: int = ROOM.polygons
 
     @property
     def unit(self) -> float:
@@ -89,8 +103,8 @@ class Floor:
 
     @property
     def solid(self) -> list[Region]:
-        """Obstacles and closed doors."""
-        return [p.region for p in self.obstacles] + [d.region for d in self.doors]
+        """Obstacles, closed doors, and what is outside."""
+        return [p.region for p in self.obstacles] + [d.region for d in self.doors] + self.outside
 
     @property
     def everywhere(self) -> Area:
@@ -185,7 +199,20 @@ class Floor:
                 outline = rectangle(name, (-half[0], half[0]), (-half[1], half[1]))
             region = self.position(outline, self.everywhere, 2 * self.passage, self.solid, 20)
             if region is not None:
-                self.obstacles.append(Piece(region, tall=False))
+                self.obstacles.append(Piece(region, tall=False, free=True))
+
+    def vary(self) -> None:
+        """Let all that is placed from now on have any shape, and some pillars as well."""
+        self.varied = True
+        for number, piece in enumerate(self.obstacles):
+            if piece.free and self.chance(VARIED):
+                self.obstacles[number] = replace(piece, region=self.shaped(piece.region))
+
+    def shaped(self, outline: Region) -> Region:
+        """Another shape inside a circle or a rectangle."""
+        region = varied(outline, self.random, polygons=self.polygons > 0)
+        self.polygons -= region.kind == "polygon"
+        return region
 
     def place(self, outline: Region, area: Area, spread: float, others: Sequence[Region]) -> Region:
         """A region at a random position of an area, apart from others.
@@ -207,7 +234,7 @@ class Floor:
         if (low > high).any():
             return None
         center = find_position(outline, (low, high), spread, others, tries, self.random)
-        return None if center is None else moved(outline, center)
+        return None if center is None else outline.at(center.tolist())
 
 
 def new_floor(measures: Measures, random: np.random.Generator, bordered: bool = True) -> Floor:
@@ -221,23 +248,6 @@ def new_floor(measures: Measures, random: np.random.Generator, bordered: bool = 
     floor = Floor(measures, random, low + inset[0], high - inset[1], float(passage), bordered)
     floor.spread = measures.keep
     return floor
-
-
-def rectangle(name: str, x: Sequence[float], y: Sequence[float]) -> Region:
-    """A rectangle between two coordinates of each axis."""
-    center = (x[0] + x[1]) / 2, (y[0] + y[1]) / 2
-    size = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
-    return Region(name, "rectangle", tuple(map(float, center)), tuple(map(float, size)))
-
-
-def circle(name: str, center: Sequence[float], radius: float) -> Region:
-    """A circle."""
-    return Region(name, "circle", tuple(map(float, center)), (float(radius),))
-
-
-def moved(region: Region, center: np.ndarray) -> Region:
-    """A region at another position."""
-    return Region(region.name, region.kind, tuple(center.tolist()), region.size, region.color)
 
 
 def _ordered(axis: int, across: tuple[float, float], along: tuple[float, float]):

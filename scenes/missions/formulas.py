@@ -2,7 +2,9 @@
 
 What is written: reaches, chains F(A & F(B)), stays F(G A) and G A, stays in a zone while goals are
 visited, patrols G F A, orders (!B) U A, doors (!D) U K, branches F A | F B and F (A | B), goals
-that are closed until later, and G !O for what is to be avoided.
+that are closed until later, and G !O for what is to be avoided. In varied missions also responses
+G(A -> F B) and lockouts G(A -> G !B), and more orders and closed
+goals.
 """
 
 from collections.abc import Sequence
@@ -18,6 +20,12 @@ from scenes.missions.plans import Plan, Visit
 CHAIN = 3
 """Longest chain of visits."""
 
+REACTIONS = 0.25
+"""Share of pairs of visits that are a response or a lockout, in varied missions."""
+
+MOST_RESPONDED, MOST_LOCKED = 5, 4
+"""Most visits of a mission with a response, with a lockout: each needs variables of its own."""
+
 
 @dataclass
 class _Writer:
@@ -31,6 +39,7 @@ class _Writer:
     """Steps by which windows exceed the plan's time on a side, at most."""
     others: list[str]
     doors: int
+    varied: bool
     later: list[str] = field(default_factory=list)
 
     def chance(self, probability: float) -> bool:
@@ -51,6 +60,8 @@ def write_formula(
     plan: Plan,
     together: int,
     shift: tuple[int, int] | None,
+    *,
+    varied: bool = False,
 ) -> str:
     """A formula that the plan's times satisfy.
 
@@ -60,6 +71,7 @@ def write_formula(
         plan: whose times are met; everything is decided by its limit.
         together: number of goals, the first ones, that lie in the zone; 0 if it is everything.
         shift: window of an F around everything, if there is to be one.
+        varied: whether there may be responses and lockouts, and more goals that are closed.
 
     Raises:
         UserError: the plan visits no goal in the zone.
@@ -67,11 +79,12 @@ def write_formula(
     visits, limit = plan.visits, plan.limit
     width = 0.2 * limit * 2 ** float(random.uniform(-1.5, 1.5))
     others = [region.name for region in regions.others]
-    writer = _Writer(random, limit, plan.whole, width, others, doors=len(regions.doors))
-    doors = {key.name: door.name for key, door in zip(regions.keys, regions.doors, strict=False)}
-    goals = [visit for visit in visits if visit.name not in doors]
+    doors = len(regions.doors)
+    writer = _Writer(random, limit, plan.whole, width, others, doors, varied)
+    locks = {key.name: door.name for key, door in zip(regions.keys, regions.doors, strict=False)}
+    goals = [visit for visit in visits if visit.name not in locks]
     clauses = _visits(writer, goals)
-    clauses += [_key(writer, visit, doors[visit.name]) for visit in visits if visit.name in doors]
+    clauses += [_key(writer, visit, locks[visit.name]) for visit in visits if visit.name in locks]
     if regions.zone is not None:
         names = {goal.name for goal in regions.goals[:together]}
         inside = [visit for visit in goals if visit.name in names]
@@ -93,9 +106,14 @@ def _visits(writer: _Writer, visits: Sequence[Visit]) -> list[str]:
     names = [visit.name for visit in visits]
     twice = {name for name in names if names.count(name) > 1}
     if twice and writer.chance(0.5):
-        clauses = [_patrol(writer, [v for v in visits if v.name in twice])]
+        for name in sorted(twice):
+            clauses.append(_patrol(writer, [v for v in visits if v.name == name]))
         visits = [visit for visit in visits if visit.name not in twice]
     while first < len(visits):
+        if writer.varied and (clause := _reaction(writer, visits, first)):
+            clauses.append(clause)
+            first += 2
+            continue
         length = 1
         while length < min(CHAIN, len(visits) - first) and writer.chance(0.35):
             length += 1
@@ -136,16 +154,51 @@ def _single(writer: _Writer, visit: Visit, following: Visit | None) -> str:
         return f"G_[{int(visit.when)}:{int(visit.when) + visit.stay}]({visit.name})"
     if writer.others and writer.chance(0.5):
         return _branch(writer, visit, window)
-    if following is not None and writer.doors < STANDARD.doors and writer.chance(0.15):
+    order, closed_share, early = (0.3, 0.45, 0.12) if writer.varied else (0.15, 0.2, 0.3)
+    if following is not None and writer.doors < STANDARD.doors and writer.chance(order):
         writer.doors += 1
         return f"(!{following.name}) U_[0:{end}] ({_held(visit)})"
-    if writer.doors < STANDARD.doors and start > 0.3 * writer.limit and writer.chance(0.2):
+    may_close = writer.doors < STANDARD.doors and start > early * writer.limit
+    if may_close and writer.chance(closed_share):
         writer.doors += 1
         closed = int(start * writer.random.uniform(0.4, 0.9))
         return f"G_[0:{closed}](!{visit.name}) & F_{window}({_held(visit)})"
     if writer.chance(0.3):
         return f"F_[0:{most}]({_held(visit)})"
     return f"F_{window}({_held(visit)})"
+
+
+def _reaction(writer: _Writer, visits: Sequence[Visit], first: int) -> str:
+    """A response or a lockout of two visits in a row; empty where there is none."""
+    pair = visits[first : first + 2]
+    names = [visit.name for visit in visits]
+    once = all(names.count(visit.name) == 1 for visit in pair)
+    if len(pair) < 2 or not once or writer.doors > 0 or not writer.chance(REACTIONS):
+        return ""
+    before, after = pair
+    left, gap = int(before.when) + before.stay + 1, after.when - before.when
+    low, high = writer.before(before.when), writer.after(before.when, writer.limit - before.stay)
+    trigger = f"F_[{low}:{max(low + 2, high)}]({_held(before)})"
+    if len(visits) <= MOST_RESPONDED and writer.chance(0.6):
+        within = writer.after(gap, int(writer.limit - left - after.stay))
+        latest = writer.limit - within - after.stay
+        if within <= gap or latest <= left:
+            return ""
+        until = int(writer.random.integers(left, latest + 1))
+        answer = f"{before.name} -> F_[0:{within}]({_held(after)})"
+    elif len(visits) <= MOST_LOCKED:
+        within = int(writer.random.uniform(0.3, 0.8) * (gap - before.stay))
+        latest = writer.limit - within
+        if within < 1 or latest <= left:
+            return ""
+        until = int(writer.random.integers(left, latest + 1))
+        answer = f"{before.name} -> G_[0:{within}](!{after.name})"
+        low, high = writer.before(after.when), writer.after(after.when, writer.limit - after.stay)
+        trigger += f" & F_[{low}:{max(low + 2, high)}]({_held(after)})"
+    else:
+        return ""
+    writer.doors = STANDARD.doors
+    return f"{trigger} & G_[0:{until}]({answer})"
 
 
 def _patrol(writer: _Writer, visits: Sequence[Visit]) -> str:

@@ -9,11 +9,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.errors import UserError
+from envs import make_robot
 from scenes.layouts import half_extents
 from scenes.missions.floor import Floor, Piece
 from scenes.missions.reach import reaches
 from scenes.missions.stops import Stops
-from scenes.regions import Region
+from scenes.regions import SHAPES, Region
+
+JOINED = 0.2
+"""Share of varied missions in which two obstacles are one region."""
 
 HEIGHTS = 20
 """Heights tried for a goal."""
@@ -70,7 +74,7 @@ def regions_of(floor: Floor, stops: Stops) -> Regions:
         goals=tuple(_colored(lift.goal(region), "goal") for region in stops.goals),
         others=tuple(_colored(lift.goal(region), "goal") for region in stops.others),
         doors=tuple(_colored(lift.wall(door.region), "door") for door in floor.doors),
-        obstacles=tuple(_colored(lift.obstacle(piece), "obstacle") for piece in floor.obstacles),
+        obstacles=tuple(_colored(each, "obstacle") for each in lift.obstacles()),
         walls=tuple(_colored(wall, "wall") for wall in lift.borders()),
         zone=None if floor.zone is None else _colored(lift.zone(floor.zone), "zone"),
     )
@@ -82,6 +86,7 @@ class _Lift:
     def __init__(self, floor: Floor):
         self.floor, self.measures, self.random = floor, floor.measures, floor.random
         self.plane = self.measures.dimension == 2
+        self.anywhere = make_robot(self.measures.robot).workspace.reach is None
         if self.plane:
             return
         bottom, top = self.measures.low[2], self.measures.high[2]
@@ -122,6 +127,17 @@ class _Lift:
         if self.plane:
             return region
         return _raised(region, self.bottom, self.top)
+
+    def obstacles(self) -> list[Region]:
+        """All obstacles; in a varied mission two are sometimes one region, like a wall's halves."""
+        found = [self.obstacle(piece) for piece in self.floor.obstacles]
+        simple = [region for region in found if region.kind in SHAPES]
+        if self.floor.varied and len(simple) > 1 and self.random.random() < JOINED:
+            first, second = simple[:2]
+            joined = Region(first.name, "union", parts=(first, second))
+            found[found.index(first)] = joined
+            found.remove(second)
+        return found
 
     def obstacle(self, piece: Piece) -> Region:
         """A wall, a pillar, a block that stands or hangs, or one that floats."""
@@ -166,6 +182,8 @@ class _Lift:
                 raised = _raised(region, z - flatness * radius, z + flatness * radius)
                 if region.kind == "circle" and self.random.random() < 0.6:
                     raised = Region(region.name, "sphere", raised.center, (radius,))
+            if self.measures.arena is not None and self.anywhere:
+                return raised
             if reaches(self.measures.robot, raised):
                 return raised
         raise UserError(f"the robot reaches no height of {region.name}")
@@ -174,8 +192,17 @@ class _Lift:
 def _raised(region: Region, bottom: float, top: float) -> Region:
     """A region of the plane between two heights."""
     center = (*region.center, (bottom + top) / 2)
+    match region.kind:
+        case "point":
+            return Region(region.name, "point", center)
+        case "polygon":
+            return Region(region.name, "prism", points=region.points, z=(bottom, top))
+        case "union":
+            parts = tuple(_raised(part, bottom, top) for part in region.parts)
+            return Region(region.name, "union", parts=parts)
     kind = "cylinder" if region.kind == "circle" else "box"
-    return Region(region.name, kind, center, (*region.size, (top - bottom) / 2))
+    size = (*region.size, (top - bottom) / 2)
+    return Region(region.name, kind, center, size, angle=region.angle)
 
 
 def _solid(name: str, low: np.ndarray, high: np.ndarray) -> Region:
@@ -187,9 +214,21 @@ def _solid(name: str, low: np.ndarray, high: np.ndarray) -> Region:
 
 def _colored(region: Region, purpose: str) -> Region:
     """A region in its colour, in whole millimetres: a file shows what is meant."""
+    return replace(_rounded(region), color=COLORS[purpose])
+
+
+def _rounded(region: Region) -> Region:
+    match region.kind:
+        case "polygon" | "prism":
+            points = tuple((round(x, 3), round(y, 3)) for x, y in region.points)
+            z = tuple(round(value, 3) for value in region.z)
+            return replace(region, center=(), size=(), points=points, z=z)
+        case "union":
+            return replace(region, center=(), size=(), parts=tuple(map(_rounded, region.parts)))
+        case "point":
+            return replace(region, center=tuple(round(value, 3) for value in region.center))
     return replace(
         region,
         center=tuple(round(value, 3) for value in region.center),
         size=tuple(round(value, 3) for value in region.size),
-        color=COLORS[purpose],
     )

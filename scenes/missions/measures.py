@@ -1,6 +1,6 @@
 """Lengths and times of a robot's missions, all from what the robot tells of itself."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -9,8 +9,10 @@ from core.errors import UserError
 from core.stl import horizon
 from core.task.task import STEP_BUCKET
 from envs import ENVS, Robot, make_robot
+from scenes.arena import Arena, scale_of
 from scenes.formula import scene_formula
 from scenes.scene import load_task, task_names
+from scenes.shared import shared_spacing
 
 CROSSINGS = 4
 """Times that a robot without shipped tasks may cross its arena in a mission."""
@@ -32,6 +34,7 @@ class Measures:
         speed: Planning speed in [m/step].
         lag: Steps that a leg may need on top of its distance.
         steps: Largest horizon of a mission.
+        arena: Of its scene; None for the robot's own.
     """
 
     robot: str
@@ -44,6 +47,7 @@ class Measures:
     speed: float
     lag: float
     steps: int
+    arena: Arena | None = None
 
     @property
     def dimension(self) -> int:
@@ -89,6 +93,35 @@ def measures(robot_name: str) -> Measures:
         speed=robot.speed,
         lag=robot.lag,
         steps=mission_steps(robot_name),
+    )
+
+
+def measures_in(robot_name: str, arena: Arena | None) -> Measures:
+    """The measures of a robot in an arena of its own.
+
+    Where the arena is smaller than the robot's, gaps and clearances do not shrink with it: the
+    robot moves as far in a step.
+
+    Raises:
+        UserError: no such robot.
+    """
+    own = measures(robot_name)
+    if arena is None:
+        return own
+    robot = make_robot(robot_name)
+    scale = scale_of(robot.workspace, arena)
+    clearance = max(scale, 1.0) * own.clearance
+    tight = max(own.tight, clearance + shared_spacing(robot.workspace, arena) / 2)
+    low, high = np.array(arena, float).T
+    return replace(
+        own,
+        low=tuple(low.tolist()),
+        high=tuple(high.tolist()),
+        unit=scale * own.unit,
+        clearance=clearance,
+        tight=tight,
+        wide=tight + 0.8 * scale * own.unit + 0.3 * robot.lag * robot.speed,
+        arena=arena,
     )
 
 

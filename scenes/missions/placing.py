@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from scenes.distances import margin_of
 from scenes.layouts import half_extents
 from scenes.regions import Region
 
@@ -22,7 +23,7 @@ def find_position(
         outline: the region, wherever it is.
         corners: low and high corner [2] of the positions.
         spread: least distance to the others in [m].
-        others: circles and rectangles.
+        others: regions of the plane.
         tries: number of positions.
         random: draws them.
     """
@@ -32,7 +33,25 @@ def find_position(
 
 
 def separations(outline: Region, positions: np.ndarray, others: Sequence[Region]) -> np.ndarray:
-    """Distances [T, O] from a region at positions [T, 2] to others, as `layouts.separation`."""
+    """Distances [T, O] from a region at positions [T, 2] to others, as `layouts.separation`.
+
+    The distance to turned, polygonal and compound regions is that from a ball around the region.
+    """
+    plain = [other for other in others if _is_plain(other)]
+    found = _plain_separations(outline, positions, plain)
+    if len(plain) == len(others):
+        return found
+    radius = float(
+        outline.size[0] if outline.kind == "circle" else np.linalg.norm(half_extents(outline))
+    )
+    rest = [other for other in others if not _is_plain(other)]
+    away = [-margin_of(other, positions) - radius for other in rest]
+    return np.column_stack([found, *away])
+
+
+def _plain_separations(
+    outline: Region, positions: np.ndarray, others: Sequence[Region]
+) -> np.ndarray:
     if not others:
         return np.full((len(positions), 0), np.inf)
     half, radius = _box_and_ball(outline)
@@ -49,3 +68,7 @@ def _box_and_ball(region: Region) -> tuple[np.ndarray, float]:
     if region.kind == "circle":
         return np.zeros(2), region.size[0]
     return half_extents(region), 0.0
+
+
+def _is_plain(region: Region) -> bool:
+    return region.kind in ("circle", "rectangle", "point") and region.angle == 0

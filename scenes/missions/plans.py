@@ -21,6 +21,9 @@ STAYS = (0.03, 0.05, 0.1)
 AGAIN = 0.25
 """Share of missions that visit a goal twice."""
 
+ROUNDS = 0.1
+"""Share of varied missions that go back and forth between two goals."""
+
 
 @dataclass(frozen=True)
 class Visit:
@@ -97,7 +100,9 @@ def _order(floor: Floor, regions: Regions) -> list[Region]:
     rest = _shuffled(random, rest)
     place = int(random.integers(len(rest) + 1))
     goals = [*rest[:place], *first, *rest[place:]]
-    if len(goals) > 1 and not together and random.random() < AGAIN:
+    if floor.varied and len(goals) > 1 and not together and random.random() < ROUNDS:
+        goals = [*goals[:2], *goals[:2], *goals[2:]]
+    elif len(goals) > 1 and not together and random.random() < AGAIN:
         again = int(random.integers(2, len(goals) + 1))
         goals.insert(again, goals[again - 2])
     before = []

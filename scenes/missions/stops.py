@@ -1,12 +1,16 @@
 """Start, keys and goals of a mission, placed on a floor."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from core.errors import UserError
-from scenes.missions.floor import Area, Floor, circle, rectangle
+from scenes.missions.floor import VARIED, Area, Floor
+from scenes.missions.outlines import circle, rectangle
 from scenes.regions import Region
+
+POINTS = 0.15
+"""Share of varied missions that start at a point."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +61,9 @@ def _start(floor: Floor) -> Region:
     half = floor.random.uniform(0.3, 0.7, 2) * floor.unit
     if floor.start_area is not None:
         half = np.minimum(half, 0.8 * floor.largest)
-    if floor.chance(0.3):
+    if floor.varied and floor.chance(POINTS):
+        outline = Region("initial", "point", (0.0, 0.0))
+    elif floor.chance(0.3):
         outline = circle("initial", (0.0, 0.0), float(half[0]))
     else:
         outline = rectangle("initial", (-half[0], half[0]), (-half[1], half[1]))
@@ -78,10 +84,13 @@ def _goal(
         outline = circle(name, (0.0, 0.0), radius)
     else:
         outline = rectangle(name, (-0.9 * radius, 0.9 * radius), (-0.9 * radius, 0.9 * radius))
+    anywhere = area is None or outside
+    if floor.varied and (anywhere or radius > 3 * clearance) and floor.chance(VARIED):
+        half = (1.2 if anywhere else 0.9) * radius
+        outline = floor.shaped(rectangle(name, (-half, half), (-half, half)))
     others = floor.solid + (_closed(floor) if outside else [])
     spread = floor.spread
-    region = floor.place(outline, area or floor.everywhere, spread, [*others, *placed])
-    return replace(region)
+    return floor.place(outline, area or floor.everywhere, spread, [*others, *placed])
 
 
 def _closed(floor: Floor) -> list[Region]:

@@ -117,7 +117,7 @@ class RunConfig:
         """
         algorithm, seed = self.training.algorithm, self.training.seed
         if self.missions:
-            return with_missions(build_task(self.scene), self.scene.robot, seed)
+            return with_missions(build_task(self.scene, shared=True), self.scene.robot, seed)
         return randomized(self.scene, build_task(self.scene, force=force), algorithm, seed)
 
     def first_state(self, task: Task) -> RunState | None:

@@ -35,12 +35,21 @@ TRIES = 100
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Good layouts of a scene, by their number; the same stream and number give the same."""
+    """Good layouts of a scene, by their number; the same stream and number give the same.
+
+    Attributes:
+        scene: The original.
+        task: The scene grounded.
+        algorithm: Whose planned ways a layout must leave time for.
+        stream: Layouts of different streams are different.
+        shared: Whether layouts are grounded in arrays of shared shapes, as `task` is.
+    """
 
     scene: Scene
     task: Task
     algorithm: Algorithm
     stream: int
+    shared: bool = False
 
     def __call__(self, number: int) -> Problem:
         """The problem of a layout."""
@@ -71,7 +80,7 @@ class Drawing:
         for _ in range(TRIES):
             scene = perturbed(self.scene, goals, world, random)
             try:
-                task = build_task(scene, visits_extra=visits)
+                task = build_task(scene, visits_extra=visits, shared=self.shared)
             except UserError:  # a goal that left the workspace
                 continue
             judgement = self._judge(task.problem)

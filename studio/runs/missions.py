@@ -77,8 +77,14 @@ class Source(Protocol):
         ...
 
 
-def mission(robot_name: str, family: str, seed: int) -> Mission:
+def mission(robot_name: str, family: str, seed: int, *, shared: bool = False) -> Mission:
     """The first good draw of a family from a seed on.
+
+    Args:
+        robot_name: of the robot.
+        family: one of `scenes.missions.FAMILIES`.
+        seed: draws it.
+        shared: whether it is grounded in arrays of the same shapes as others (`scenes.shared`).
 
     Raises:
         UserError: none of `TRIES` draws is good, or there is no such robot or family.
@@ -87,7 +93,7 @@ def mission(robot_name: str, family: str, seed: int) -> Mission:
     for attempt in range(TRIES):
         try:
             scene = draw(robot_name, family, seed * TRIES + attempt)
-            task = build_task(scene, visits_extra=0)
+            task = build_task(scene, visits_extra=0, shared=shared)
         except UserError:  # no room, no time, or a goal inside an obstacle
             continue
         judgement = judge(task.problem)
@@ -106,16 +112,19 @@ class RandomMissions:
         robot: Name of the robot.
         stream: Missions of different streams are different.
         families: Names of the families.
+        shared: Whether they are grounded in arrays of the same shapes.
     """
 
     robot: str
     stream: int
     families: Sequence[str] = TRAINED
+    shared: bool = False
 
     def __call__(self, number: int) -> Mission:
         """The mission of a number."""
         family = self.families[number % len(self.families)]
-        return mission(self.robot, family, self.stream * STREAM_SIZE + number)
+        seed = self.stream * STREAM_SIZE + number
+        return mission(self.robot, family, seed, shared=self.shared)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,18 +135,26 @@ class ShippedMissions:
         robot: Name of the robot.
         stream: Layouts of different streams are different.
         numbers: Which tasks.
+        shared: Whether they are grounded in arrays of the same shapes.
     """
 
     robot: str
     stream: int
     numbers: Sequence[str] = SHIPPED_TRAINED
+    shared: bool = False
 
     @cached_property
     def _drawings(self) -> list[Drawing]:
         scenes = [load_task(f"{self.robot}-{number}") for number in self.numbers]
         algorithm = Algorithm(reserve=RESERVE)
         return [
-            Drawing(scene, build_task(scene, visits_extra=0), algorithm, self.stream)
+            Drawing(
+                scene,
+                build_task(scene, visits_extra=0, shared=self.shared),
+                algorithm,
+                self.stream,
+                self.shared,
+            )
             for scene in scenes
         ]
 
@@ -198,17 +215,27 @@ def _judge(robot_name: str) -> Callable[[Problem], Judgement]:
 
 
 def curriculum(robot_name: str, seed: int) -> Source:
-    """What weights of a robot are trained on: random missions and perturbed shipped tasks."""
-    missions = Demanding(RandomMissions(robot_name, seed), seed)
+    """What weights of a robot are trained on: random missions and perturbed shipped tasks.
+
+    All are grounded in arrays of the same shapes.
+    """
+    missions = Demanding(RandomMissions(robot_name, seed, shared=True), seed)
     if f"{robot_name}-{SHIPPED_TRAINED[0]}" not in task_names(robot_name):
         return missions
-    sources = (missions, ShippedMissions(robot_name, seed))
+    sources = (missions, ShippedMissions(robot_name, seed, shared=True))
     return Mixture(sources, (RANDOM_SHARE, 1 - RANDOM_SHARE), seed)
 
 
 def with_missions(task: Task, robot_name: str, seed: int) -> Task:
-    """The task, trained on the curriculum and evaluated on missions that it never draws."""
-    source, validation = curriculum(robot_name, seed), RandomMissions(robot_name, VALIDATION)
+    """The task, trained on the curriculum and evaluated on missions that it never draws.
+
+    Args:
+        task: of the robot, in arrays of shared shapes.
+        robot_name: of the robot.
+        seed: of the training.
+    """
+    source = curriculum(robot_name, seed)
+    validation = RandomMissions(robot_name, VALIDATION, shared=True)
 
     def problem(number: int) -> Problem:
         return source(number).task.problem

@@ -17,6 +17,7 @@ from core.task.problem import SAMPLES_INSIDE, Problem, to_device
 from core.task.protocols import Array, Robot, has_body
 from core.task.task import Task
 from scenes import (
+    ROOM,
     GoalGeometry,
     GridWorld,
     Scene,
@@ -24,10 +25,12 @@ from scenes import (
     inequality_of,
     robot_of,
     scene_formula,
+    shared_world,
     walls,
     world_arrays,
     world_of,
 )
+from scenes.compound import Room
 from studio.runs.findings import findings_of, require_possible
 from studio.runs.refusals import refusal
 from studio.runs.visits import with_enough_visits
@@ -64,6 +67,7 @@ def build_task(
     *,
     force: bool = False,
     visits_extra: int | None = None,
+    shared: bool = False,
 ) -> Task:
     """Ground a scene, with its own formula unless another is given.
 
@@ -73,6 +77,8 @@ def build_task(
         force: whether a mission that cannot be carried out is grounded all the same.
         visits_extra: visits in each chain beyond the least number; as many as leave time to
             travel, unless given.
+        shared: whether its arrays have the same shapes as those of all the robot's scenes that
+            are grounded so (`scenes.shared`).
 
     Raises:
         ImpossibleError: the mission cannot be carried out.
@@ -81,16 +87,15 @@ def build_task(
     """
     if formula is not None:
         scene = replace(scene, formula=formula)
-    world = world_of(scene)
+    world = shared_world(scene) if shared else world_of(scene)
     least = ground_scene(scene)
     findings = findings_of(scene) if force else require_possible(scene)
     geometries: dict[Any, GoalGeometry] = {}
 
     def build(extra: int) -> Task:
         grounding = ground_scene(scene, extra) if extra else least
-        problem = _problem(
-            scene, world, grounding, _geometry(scene, world, grounding, force, geometries)
-        )
+        geometry = _geometry(scene, world, grounding, force, geometries)
+        problem = _problem(scene, world, grounding, geometry, ROOM if shared else None)
         return Task(scene.name, grounding, problem, findings=findings)
 
     return with_enough_visits(build) if visits_extra is None else build(visits_extra)
@@ -148,7 +153,11 @@ def _at_rest(position: Array, *, robot: Robot) -> Array:
 
 
 def _problem(
-    scene: Scene, world: GridWorld, grounding: Grounding, geometry: GoalGeometry | None
+    scene: Scene,
+    world: GridWorld,
+    grounding: Grounding,
+    geometry: GoalGeometry | None,
+    room: Room | None,
 ) -> Problem:
     """Pad the geometry to the sizes that programs are compiled for."""
     robot = robot_of(scene)
@@ -166,7 +175,7 @@ def _problem(
         inside[:count], center[:count] = geometry.inside[place], geometry.center[place]
         legs[:combinations, :count, :count] = geometry.legs[:, place][:, :, place]
     padding = np.repeat(empty, _padded_fields(len(fields)) - len(fields), axis=0)
-    data = world_arrays(scene, MAX_ATOMS, np.concatenate([fields, padding]))
+    data = world_arrays(scene, MAX_ATOMS, np.concatenate([fields, padding]), world, room)
     return to_device(
         Problem(
             robot,

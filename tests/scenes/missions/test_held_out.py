@@ -18,7 +18,9 @@ def test_families_and_tasks_are_held_out():
 def test_a_source_draws_from_no_family_that_is_held_out(monkeypatch):
     """By default; a report names what is held out."""
     asked = []
-    monkeypatch.setattr(missions, "mission", lambda robot, family, seed: asked.append(family))
+    monkeypatch.setattr(
+        missions, "mission", lambda robot, family, seed, *, shared: asked.append(family)
+    )
     source = RandomMissions("linear", stream=0)
     mixture = Mixture((source,), (1.0,))
     for number in range(200):
@@ -36,7 +38,7 @@ def test_no_version_of_a_held_out_task_is_drawn(monkeypatch, number):
     class StopHereError(Exception):
         pass
 
-    def record(scene, visits_extra):
+    def record(scene, visits_extra, shared):
         assert visits_extra == 0
         grounded.append(scene.name)
         if len(grounded) == len(SHIPPED_TRAINED):
