@@ -20,9 +20,11 @@ from scenes.scene import (
     unit_of,
     workspace_of,
 )
+from scenes.snapshots import Snapshots, snapshots_of
 from scenes.world import (
     GoalGeometry,
     GridWorld,
+    WorldArrays,
     goal_geometry,
     make_world,
     world_arrays,
@@ -37,6 +39,8 @@ __all__ = [
     "RegionArrays",
     "Scene",
     "SceneError",
+    "Snapshots",
+    "WorldArrays",
     "blank",
     "demo_names",
     "format_scene",
@@ -54,6 +58,7 @@ __all__ = [
     "save_scene",
     "scene_formula",
     "scene_reading",
+    "snapshots_of",
     "task_names",
     "unit_of",
     "walls",

@@ -25,11 +25,11 @@ ROUNDING = 1e-6
 def mission_of(scene: Scene, formula: Formula) -> Mission:
     """What is judged of a scene with its parsed formula.
 
-    Predicates of the state are left out: only regions are places. What is asked without them is
-    weaker, so that what is proved of it is proved of the formula.
+    Predicates of the state and regions that move are left out: only regions that stand are places.
+    What is asked without them is weaker, so that what is proved of it is proved of the formula.
     """
-    if scene.predicates:
-        names = frozenset(predicate.name for predicate in scene.predicates)
+    names = scene.moving.union(predicate.name for predicate in scene.predicates)
+    if names:
         formula = fold_constants(relaxed(negation_normal_form(formula), names))
     regions = (*scene.regions, scene.initial)
     center = np.array([region.center for region in regions], float)
