@@ -1,10 +1,38 @@
-"""The tasks that are closest to being violated, as a policy perceives them."""
+"""The tasks that are closest to being violated, as a policy perceives them.
 
+An action counts from the next step on. Where regions move, margins are foreseen as if the robot
+stood: a stay's at the next step, an invariant's the least of the next `FORESEEN` steps, so that a
+robot that learnt among obstacles that stand gives way in time.
+"""
+
+import jax
 import jax.numpy as jnp
 
-from core.mdp.episode import Checks
+from core.mdp.episode import Checks, check
+from core.task.problem import Problem, extended_margins
 from core.task.protocols import Array
 from core.task.windows import Windows
+
+FORESEEN = 3
+"""Steps for which the margins of invariants are foreseen."""
+
+
+def coming_checks(problem: Problem, windows: Windows, tau: Array, state: Array) -> Checks:
+    """The checks of a state [n] at step tau as they are about to be if the robot stands."""
+
+    def foreseen(step: Array) -> Checks:
+        return check(problem, windows, tau, *extended_margins(problem, state, step))
+
+    checks = jax.vmap(foreseen)(tau + jnp.arange(1, FORESEEN + 1))
+    following = jax.tree.map(lambda leaf: leaf[0], checks)
+    worst = checks.constraint.argmin(0)  # [C]
+    row = jnp.arange(worst.size)
+    subgoals = following.subgoal.size
+    gradient = checks.gradient[worst, subgoals + row]
+    return following._replace(
+        constraint=checks.constraint[worst, row],
+        gradient=jnp.concatenate([following.gradient[:subgoals], gradient]),
+    )
 
 
 def nearest_dangers(

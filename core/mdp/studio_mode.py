@@ -8,8 +8,7 @@ as a constraint on the way to the next subgoal.
 A simulation that diverges ends its episode like a violation.
 
 Where regions move, ways lead to where the current subgoal will be: when its window opens, or at
-the next step once it is open. Dangers are perceived as they will be at the next step, which is the
-first that an action can change.
+the next step once it is open. Dangers are perceived as they are about to be (`core.mdp.dangers`).
 
 Reward: shape * (distance before - distance after) along the geodesic field of the current leg
 (potential shaping; lengths in units of the robot's), lambda_2 per subgoal, lambda_3 for the last
@@ -25,7 +24,7 @@ import jax.numpy as jnp
 from msgspec import Meta
 
 from core.documents import Positive, Share, Weight
-from core.mdp.dangers import nearest_dangers
+from core.mdp.dangers import coming_checks, nearest_dangers
 from core.mdp.episode import (
     Checks,
     Episode,
@@ -51,7 +50,7 @@ class Sense(NamedTuple):
     """What the robot perceives in one augmented state."""
 
     checks: Checks
-    coming: Checks | None  # at the next step, if the robot stood still; None where nothing moves
+    coming: Checks | None  # as they are about to be; None where nothing moves
     distance: Array  # [] geodesic distance to the current subgoal [m]
     direction: Array  # [d] unit direction of travel
     ahead: Array  # [K, d] unit directions of travel further along the way
@@ -252,9 +251,7 @@ class StudioMode:
             _, following = way(point)
             ahead.append(following)
         directions = jnp.stack(ahead) if ahead else jnp.zeros((0, *position.shape))
-        coming = None
-        if problem.sites is not None:
-            coming = check(problem, windows, tau, *extended_margins(problem, state, tau + 1))
+        coming = None if problem.sites is None else coming_checks(problem, windows, tau, state)
         return Sense(
             checks, coming, distance * live, direction, directions, rank, doors, live, holding
         )
