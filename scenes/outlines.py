@@ -7,6 +7,7 @@ import numpy as np
 from core.planning.exact import Setting
 from core.planning.outline import Facets, Outline
 from core.quoting import listed
+from core.stl import quote_name
 from core.task.protocols import stride_of
 from envs import ENVS
 from scenes.distances import margin_of
@@ -29,8 +30,9 @@ def setting_of(scene: Scene) -> Setting:
             f"{scene.robot!r}. Allowed: {', '.join(able)}"
         )
     if scene.moving:
+        names = listed(sorted(map(quote_name, scene.moving)))
         raise SceneError(
-            f"exact plans are for regions that stand; {listed(sorted(scene.moving))} "
+            f"exact plans are for regions that stand, but {names} "
             f"{'moves' if len(scene.moving) == 1 else 'move'}"
         )
     regions = scene.regions

@@ -1,8 +1,10 @@
 """The tasks that are closest to being violated, as a policy perceives them.
 
 An action counts from the next step on. Where regions move, margins are foreseen as if the robot
-stood: a stay's at the next step, an invariant's the least of the next `FORESEEN` steps, so that a
-robot that learnt among obstacles that stand gives way in time.
+stood: a stay's at the next step, an invariant's the least of this step and the next `FORESEEN`, so
+that a robot that learnt among obstacles that stand gives way in time. No way leads around what
+moves, as ways lead around obstacles that stand, at a distance; so what moves is perceived wider by
+`CAUTION`.
 """
 
 import jax
@@ -16,6 +18,9 @@ from core.task.windows import Windows
 FORESEEN = 3
 """Steps for which the margins of invariants are foreseen."""
 
+CAUTION = 0.2
+"""By how much what moves is perceived as wider than it is, in robot lengths."""
+
 
 def coming_checks(problem: Problem, windows: Windows, tau: Array, state: Array) -> Checks:
     """The checks of a state [n] at step tau as they are about to be if the robot stands."""
@@ -23,14 +28,16 @@ def coming_checks(problem: Problem, windows: Windows, tau: Array, state: Array) 
     def foreseen(step: Array) -> Checks:
         return check(problem, windows, tau, *extended_margins(problem, state, step))
 
-    checks = jax.vmap(foreseen)(tau + jnp.arange(1, FORESEEN + 1))
-    following = jax.tree.map(lambda leaf: leaf[0], checks)
+    checks = jax.vmap(foreseen)(tau + jnp.arange(FORESEEN + 1))
+    following = jax.tree.map(lambda leaf: leaf[1], checks)
     worst = checks.constraint.argmin(0)  # [C]
     row = jnp.arange(worst.size)
     subgoals = following.subgoal.size
     gradient = checks.gradient[worst, subgoals + row]
+    moves = jnp.ptp(checks.constraint, axis=0) > 0
+    caution = CAUTION * problem.robot.length * moves
     return following._replace(
-        constraint=checks.constraint[worst, row],
+        constraint=checks.constraint[worst, row] - caution,
         gradient=jnp.concatenate([following.gradient[:subgoals], gradient]),
     )
 
