@@ -21,9 +21,11 @@ from scenes.scene import (
     workspace_of,
 )
 from scenes.shared import ROOM, shared_world
+from scenes.snapshots import Snapshots, snapshots_of
 from scenes.world import (
     GoalGeometry,
     GridWorld,
+    WorldArrays,
     goal_geometry,
     make_world,
     world_arrays,
@@ -39,6 +41,8 @@ __all__ = [
     "RegionArrays",
     "Scene",
     "SceneError",
+    "Snapshots",
+    "WorldArrays",
     "blank",
     "demo_names",
     "format_scene",
@@ -57,6 +61,7 @@ __all__ = [
     "scene_formula",
     "scene_reading",
     "shared_world",
+    "snapshots_of",
     "task_names",
     "unit_of",
     "walls",

@@ -87,9 +87,10 @@ def perturbed(
 
 
 def walls(scene: Scene, world: GridWorld) -> list[Region]:
-    """Boxes that cover a whole face of the workspace."""
+    """Boxes that stand and cover a whole face of the workspace."""
     low, high = world.limits
-    return [region for region in scene.regions if _faces(region, low, high).any()]
+    standing = [region for region in scene.regions if region.motion is None]
+    return [region for region in standing if _faces(region, low, high).any()]
 
 
 def separation(first: Region, second: Region) -> float:

@@ -6,6 +6,8 @@ import numpy as np
 
 from core.planning.exact import Setting
 from core.planning.outline import Facets, Outline
+from core.quoting import listed
+from core.stl import quote_name
 from core.task.protocols import stride_of
 from envs import ENVS
 from scenes.distances import margin_of
@@ -17,7 +19,8 @@ def setting_of(scene: Scene) -> Setting:
     """A scene for `plan_exactly`, from the centre of its initial set.
 
     Raises:
-        SceneError: a robot that does not move by bounded strides in the plane.
+        SceneError: a robot that does not move by bounded strides in the plane, or regions that
+            move.
     """
     stride = stride_of(robot_of(scene))
     if stride is None or scene.dimension != 2:
@@ -25,6 +28,12 @@ def setting_of(scene: Scene) -> Setting:
         raise SceneError(
             f"exact plans are for robots whose action moves them straight, not for "
             f"{scene.robot!r}. Allowed: {', '.join(able)}"
+        )
+    if scene.moving:
+        names = listed(sorted(map(quote_name, scene.moving)))
+        raise SceneError(
+            f"exact plans are for regions that stand, but {names} "
+            f"{'moves' if len(scene.moving) == 1 else 'move'}"
         )
     regions = scene.regions
     return Setting(

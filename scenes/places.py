@@ -25,12 +25,20 @@ ROUNDING = 1e-6
 def mission_of(scene: Scene, formula: Formula) -> Mission:
     """What is judged of a scene with its parsed formula.
 
-    Predicates of the state are left out: only regions are places. What is asked without them is
-    weaker, so that what is proved of it is proved of the formula.
+    Predicates of the state and regions that move are left out: only regions that stand are places.
+    What is asked without them is weaker, so that what is proved of it is proved of the formula.
     """
-    if scene.predicates:
-        names = frozenset(predicate.name for predicate in scene.predicates)
+    names = scene.moving.union(predicate.name for predicate in scene.predicates)
+    if names:
         formula = fold_constants(relaxed(negation_normal_form(formula), names))
+    places = places_of(scene)
+    robot = robot_of(scene)
+    starts, arena = _starts(places, scene.initial), workspace_of(scene).arena
+    return Mission(formula, places, starts, robot, arena, scene.between_steps)
+
+
+def places_of(scene: Scene) -> Places:
+    """The regions of a scene, where they begin, and last the initial set."""
     regions = (*scene.regions, scene.initial)
     center = np.array([region.center for region in regions], float)
     half = np.array([region.half_extents for region in regions])
@@ -50,10 +58,7 @@ def mission_of(scene: Scene, formula: Formula) -> Mission:
     if is_point:  # otherwise it would have no inside
         half[-1], radius[-1] = tiny, tiny
     known = tiny_ball if is_point else margin
-    places = Places(names, center - half, center + half, radius, known, tolerance)
-    robot = robot_of(scene)
-    starts, arena = _starts(places, scene.initial), workspace_of(scene).arena
-    return Mission(formula, places, starts, robot, arena, scene.between_steps)
+    return Places(names, center - half, center + half, radius, known, tolerance)
 
 
 def _radius(region: Region) -> float:

@@ -18,7 +18,7 @@ point      -  center; an initial set only
 
 An angle turns a rectangle or a box about the vertical axis through its centre, counter-clockwise,
 in degrees. Polygons, prisms and unions have the centre and the half sides of the box around them
-as their `center` and `size`.
+as their `center` and `size`. A region may move (`scenes.motion`); it is where it begins then.
 """
 
 from collections.abc import Sequence
@@ -30,13 +30,8 @@ import numpy as np
 
 from core.errors import allowed
 from scenes import polygons
-from scenes.checks import (
-    SMALLEST_SIZE,
-    SceneError,
-    check_name,
-    is_color,
-    numbers,
-)
+from scenes.checks import SMALLEST_SIZE, SceneError, check_name, is_color, numbers
+from scenes.motion import Motion
 
 Kind = Literal["circle", "rectangle", "sphere", "box", "cylinder"]
 
@@ -93,6 +88,7 @@ class Region:
         points: (x, y) of a polygon's or prism's corners in [m].
         z: Low and high end of a prism in [m].
         parts: Of a union.
+        motion: How it moves; None if it stands.
     """
 
     name: str
@@ -104,6 +100,7 @@ class Region:
     points: tuple[tuple[float, float], ...] = ()
     z: tuple[float, ...] = ()
     parts: "tuple[Region, ...]" = ()
+    motion: Motion | None = None
 
     def __post_init__(self):
         check_name(self.name)
@@ -121,6 +118,11 @@ class Region:
                 self._check_shape()
         if self.color is not None and not is_color(self.color):
             raise SceneError(f"color: {self.color!r} is not of the form '#rrggbb'")
+        if self.motion is not None and self.motion.dimension != self.dimension:
+            raise SceneError(
+                f"path: it leads through {self.motion.dimension} dimensions, but a {self.kind} "
+                f"lies in {self.dimension}"
+            )
 
     @property
     def dimension(self) -> int:
@@ -155,18 +157,27 @@ class Region:
         """The parts of a union; of all others, the region itself."""
         return self.parts or (self,)
 
+    def displaced(self, step: float) -> "Region":
+        """The region as it is at a step, standing there."""
+        if self.motion is None:
+            return self
+        offset = self.motion.offset(step)
+        return replace(self, motion=None).at((self.center + offset).tolist())
+
     def at(self, center: Sequence[float]) -> "Region":
-        """The region with its centre moved to a position [d] in [m]."""
+        """The region with its centre moved to a position [d] in [m], and its path with it."""
         if self.kind in SHAPES or self.kind == "point":
             return replace(self, center=tuple(center))
         return self._mapped(np.ones(self.dimension), np.subtract(center, self.center))
 
     def mirrored(self, sign: np.ndarray) -> "Region":
         """The region with its coordinates multiplied by 1 or -1 [d]."""
+        motion = self.motion and self.motion.mirrored(sign)
         if self.kind not in SHAPES and self.kind != "point":
-            return self._mapped(sign, np.zeros(self.dimension))
+            return replace(self._mapped(sign, np.zeros(self.dimension)), motion=motion)
         angle = -self.angle if self.angle and sign[0] * sign[1] < 0 else self.angle
-        return replace(self, center=tuple((sign * self.center).tolist()), angle=angle)
+        center = tuple((sign * self.center).tolist())
+        return replace(self, center=center, angle=angle, motion=motion)
 
     def sized(self, size: Sequence[float]) -> "Region":
         """The region with other sizes [m]; polygons and prisms are stretched.
@@ -248,6 +259,8 @@ class Region:
         if not isinstance(parts, list | tuple) or not 1 <= len(parts) <= MOST_PARTS:
             raise SceneError(f"parts: a union has from 1 to {MOST_PARTS}")
         for number, part in enumerate(parts):
+            if part.motion is not None:
+                raise SceneError(f"parts[{number}]: a part cannot move; the whole union can")
             if part.kind in ("union", "point") or part.dimension != parts[0].dimension:
                 raise SceneError(
                     f"parts[{number}]: a {part.kind} of dimension {part.dimension} cannot be part "

@@ -7,7 +7,7 @@ The same schema serves the shipped tasks (`scenes/<robot>/NN.toml`) and a user's
     name = "linear-08"            title = "..."       robot = "linear"
     horizon = 100  # steps        seed = 1007         formula = "F_[0:90](A1)"
     [initial]      kind, center, size                 # where episodes start
-    [regions.A1]   kind, center, size, color?         # one table per region, in order
+    [regions.A1]   kind, center, size, color?, path?  # one table per region, in order
     [predicates]   slow = "v <= 1"                    # of the robot's state, if any
 
 `variant = "..."` beside them asks for another reading of the robot, one of its `variants`;
@@ -125,6 +125,8 @@ class Scene:
                     f"regions.{named.name}: a point can only be the initial set; a region needs "
                     "an inside, such as that of a small circle or sphere"
                 )
+        if self.initial.motion is not None:
+            raise SceneError("initial.path: the initial set cannot move: episodes begin at step 0")
         fields = {f"regions.{region.name}": region for region in self.regions}
         for field, region in ({"initial": self.initial} | fields).items():
             if region.dimension != self.dimension:
@@ -142,6 +144,11 @@ class Scene:
     def region_names(self) -> tuple[str, ...]:
         """Names of the regions, in order."""
         return tuple(region.name for region in self.regions)
+
+    @property
+    def moving(self) -> frozenset[str]:
+        """Names of the regions that move."""
+        return frozenset(region.name for region in self.regions if region.motion is not None)
 
     @property
     def atom_names(self) -> tuple[str, ...]:

@@ -5,9 +5,16 @@ import re
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from core.documents import typed
-from scenes.regions import FIELDS, KINDS, Region, SceneError
+from scenes.motion import Motion, along, through
+from scenes.regions import FIELDS, KINDS, SHAPES, Region, SceneError
+
+Position = tuple[float, ...]
+
+IN_SPACE = {kind for kind, shape in SHAPES.items() if shape.dimension == 3} | {"prism"}
+"""Kinds of regions of space."""
 
 
 class _PartTable(msgspec.Struct, forbid_unknown_fields=True):
@@ -27,6 +34,8 @@ class _RegionTable(_PartTable, forbid_unknown_fields=True):
     parts: list[Any] = []
     """Tables of parts, read one by one."""
     color: str | None = None
+    path: Any = None
+    velocity: Any = None
 
 
 def region_from(name: str, table: Any, field: str, kind: type[_PartTable] = _RegionTable) -> Region:
@@ -43,12 +52,15 @@ def region_from(name: str, table: Any, field: str, kind: type[_PartTable] = _Reg
     """
     if not isinstance(table, dict):
         raise SceneError(f"{field}: must be a table with kind, center, size, ...")
+    table = dict(table)
+    motion, begins = _motion_of(table, field)
     read = typed(table, kind, f"{field}.")
     wanted = FIELDS.get(read.kind, ())
     for each in wanted:
         if each not in table and each != "angle":
             raise SceneError(f"{field}.{each}: this field is missing")
     given = {each: getattr(read, each) for each in kind.__struct_fields__[1:] if each in table}
+    given.pop("velocity", given.pop("path", None))
     if "parts" in given:
         places = enumerate(given["parts"])
         given["parts"] = tuple(
@@ -58,14 +70,52 @@ def region_from(name: str, table: Any, field: str, kind: type[_PartTable] = _Reg
         if each in given and each not in wanted and read.kind in KINDS:
             raise SceneError(f"{field}.{each}: a {read.kind} is given by {', '.join(wanted)}")
     try:
-        return Region(name, read.kind, **given)
+        region = Region(name, read.kind, motion=motion, **given)
     except SceneError as error:
         raise SceneError(f"{field}.{error}") from error
+    return region if begins is None else _beginning_at(region, begins, field, "center" in given)
+
+
+def _motion_of(table: dict[str, Any], field: str) -> tuple[Motion | None, Position | None]:
+    """How the region of a table moves, and where its path begins; fills in a missing centre."""
+    path, velocity = table.get("path"), table.get("velocity")
+    if path is None and velocity is None:
+        return None, None
+    if path is not None and velocity is not None:
+        raise SceneError(f"{field}.velocity: a path is given too; only one of them may be")
+    kind = table.get("kind")
+    if kind == "point":
+        raise SceneError(f"{field}.{'velocity' if path is None else 'path'}: a point cannot move")
+    kinds = [kind]
+    if kind == "union" and isinstance(table.get("parts"), list):
+        kinds = [part.get("kind") for part in table["parts"] if isinstance(part, dict)]
+    dimension = 3 if IN_SPACE.intersection(each for each in kinds if isinstance(each, str)) else 2
+    try:
+        if path is None:
+            return along(velocity, dimension), None
+        motion, begins = through(path, dimension)
+    except SceneError as error:
+        raise SceneError(f"{field}.{error}") from error
+    if "center" in FIELDS.get(str(kind), ()):
+        table.setdefault("center", list(begins))
+    return motion, begins
+
+
+def _beginning_at(region: Region, begins: Position, field: str, centred: bool) -> Region:
+    """The region where its path begins; one that is given by a centre must be there already."""
+    if centred and not np.allclose(region.center, begins, rtol=0, atol=1e-9):
+        raise SceneError(
+            f"{field}.path: begins at {list(begins)}, but center is {list(region.center)}; a path "
+            "says where the centre is, so let them agree or leave center out"
+        )
+    return region if region.center == begins else region.at(begins)
 
 
 def region_lines(region: Region) -> list[str]:
     """The lines of a region's table, without its header."""
     lines = [f"{field} = {value}" for field, value in _fields(region).items()]
+    if region.motion is not None:
+        lines.append(_motion_line(region))
     if region.color is not None:
         lines.append(f"color = {quoted(region.color)}")
     return lines
@@ -85,6 +135,13 @@ def _fields(region: Region) -> dict[str, str]:
         else:
             found[field] = repr(list(value))
     return found
+
+
+def _motion_line(region: Region) -> str:
+    assert region.motion is not None
+    if region.motion.velocity is not None:
+        return f"velocity = {list(region.motion.velocity)}"
+    return f"path = {[[step, *place] for step, place in region.motion.waypoints(region.center)]}"
 
 
 def _inline(region: Region) -> str:

@@ -5,22 +5,24 @@ state formulas are known here: the caller decides which are goals and which sets
 obstacles at the same time.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.stl import Formula, robustness, to_text
+from core.stl import Formula, fold_constants, robustness, to_text
+from core.task.sites import step_row
 from envs import Workspace
 from scenes.arena import Arena, cells, fitted, holding, hull
 from scenes.compound import Room
 from scenes.fields import Grid, geodesic_field, interpolate
 from scenes.margins import PADDING_MARGIN, RegionArrays, margins_and_gradients, region_arrays
-from scenes.predicates import positional_margins, without_state
+from scenes.paths import Paths, moved, offsets, paths_of
+from scenes.predicates import positional_margins, relaxed, without_state
 from scenes.regions import SceneError
 from scenes.scene import Scene, robot_of, workspace_of
 from scenes.starts import Cells, cells_of, draw, round_axes
@@ -45,6 +47,10 @@ class WorldArrays(NamedTuple):
     """None where the arena is the robot's: its numbers are constants of the programs then."""
     start: Cells | None = None
     """The initial set; None where the three fields above say it all."""
+    paths: Paths | None = None
+    """Of the regions that move; None where none does."""
+    step: jax.Array | None = None
+    """[] At which regions are looked at; until it is given, those that move are nowhere."""
 
 
 @dataclass(frozen=True)
@@ -98,14 +104,30 @@ class GridWorld:
 
     def margins(self, data: WorldArrays, position: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Margins [A] of the regions in [m] and their gradients [A, d] at a position [d]."""
-        return margins_and_gradients(data.regions, position)
+        if data.paths is None:
+            return margins_and_gradients(data.regions, position)
+        return margins_and_gradients(moved(data.regions, data.paths, _step(data)), position)
 
     def field(self, data: WorldArrays, index, position: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Distance [m] and unit direction [d] of travel in the index-th field."""
+        if data.paths is not None:
+            number = step_row(_step(data), data.paths.row.shape[0] - 1)
+            position = position - data.paths.drift[number, index]
+            index = data.paths.row[number, index]
         if data.frame is not None:
             position = (position - data.frame.origin) * data.frame.per_metre
         value = interpolate(self.grid, data.fields, index, position)
         return value[0], value[1:]
+
+    def at(self, data: WorldArrays, step: jax.Array) -> WorldArrays:
+        """The data at a step, or between two: margins and fields are those of that time."""
+        return data if data.paths is None else data._replace(step=step)
+
+    def displacements(self, data: WorldArrays) -> jax.Array:
+        """How far regions have moved [U, d] by the data's step, each different way once [m]."""
+        if data.paths is None:
+            return jnp.zeros((1, self.grid.dimension))
+        return offsets(data.paths, _step(data))
 
     def sample_initial(self, data: WorldArrays, key: jax.Array) -> jax.Array:
         """A position [d] of the initial set, uniform.
@@ -125,6 +147,12 @@ class GridWorld:
         radius = jax.random.uniform(radius_key) ** (1 / jnp.maximum(is_round.sum(), 1))
         ball = (low + high) / 2 + (high - low) / 2 * radius * direction
         return jnp.where(is_round > 0, ball, box)
+
+
+def _step(data: WorldArrays) -> jax.Array:
+    if data.step is None:
+        raise ValueError("regions move: margins and fields are those at a step, see GridWorld.at")
+    return data.step
 
 
 def make_world(workspace: Workspace) -> GridWorld:
@@ -157,31 +185,41 @@ class GoalGeometry(NamedTuple):
     inside: np.ndarray  # [G, S, d] random positions that satisfy each subgoal [m]
     center: np.ndarray  # [G, d] its deepest position [m]
     legs: np.ndarray  # [M, G, G] distance from subgoal i's region to subgoal j's [m]
+    depth: np.ndarray  # [G] margin of that position, 0 where it is outside [m]
 
 
-def world_arrays(
+def world_arrays(  # noqa: PLR0913
     scene: Scene,
     capacity: int,
     fields: np.ndarray,
+    steps: int = 0,
+    *,
     world: GridWorld | None = None,
     room: Room | None = None,
 ) -> WorldArrays:
-    """Data of a scene for `world.compiled`, with fields [F, *grid, 1 + d].
+    """Data of a scene for `world.compiled`.
 
-    The world is the scene's own unless given. With `room`, regions that fit into it have arrays of
-    the same shapes.
+    Args:
+        scene: its regions and its initial set.
+        capacity: number that regions are padded to.
+        fields: [F, *grid, 1 + d].
+        steps: for which paths are known; only scenes whose regions move need them.
+        world: the scene's own unless given.
+        room: regions that fit into it have arrays of the same shapes; None for their own.
     """
+    regions = region_arrays(scene.regions, scene.dimension, capacity, room)
     initial = scene.initial
     center = np.asarray(initial.center, np.float32)
     half = initial.half_extents.astype(np.float32)
     return WorldArrays(
-        region_arrays(scene.regions, scene.dimension, capacity, room),
+        regions,
         fields,
         center - half,
         center + half,
         round_axes(initial),
         (world_of(scene) if world is None else world).frame,
         cells_of(initial),
+        paths_of(scene.regions, regions, steps) if scene.moving else None,
     )
 
 
@@ -192,11 +230,13 @@ def goal_geometry(
     obstacles: Sequence[Sequence[Formula]],
     samples: int,
     spared: Sequence[bool] = (),
+    steps: Sequence[int] = (),
 ) -> GoalGeometry:
     """Fields, sample positions and distances of the subgoals of a formula.
 
     Only what subgoals and obstacles ask of the position counts: the way to `A & slow` leads to A,
-    and `!B | slow` bars no way. A subgoal that asks for nothing but a state is everywhere.
+    and `!B | slow` bars no way. A subgoal that asks for nothing but a state is everywhere. Regions
+    that move are where they are at a step, and bar no way.
 
     Args:
         world: the workspace.
@@ -206,28 +246,23 @@ def goal_geometry(
         samples: number of positions per subgoal.
         spared: for each subgoal [G] whether it may hold nowhere on the grid; the node nearest to
             it then stands for it. None may unless given.
+        steps: for each subgoal [G] the step at which its regions are looked at; 0 unless given. The
+            same subgoal may be given at several steps.
 
     Raises:
-        SceneError: a subgoal that is not spared holds nowhere on the workspace's grid.
+        SceneError: a subgoal that is not spared holds nowhere on the workspace's grid, at any of
+            its steps.
     """
     grid = world.grid
     nodes = grid.nodes()
-    arrays = region_arrays(scene.regions, scene.dimension, 32)
-    atoms = np.asarray(_margins_at(arrays, jnp.asarray(nodes, jnp.float32)))
-    atoms = atoms[:, : len(scene.regions)]
-    beyond = world.beyond(nodes)
-
-    names, robot = scene.region_names, robot_of(scene)
-    own = positional_margins(scene.predicates, robot, nodes) if scene.predicates else {}
-    if own:
-        names, atoms = (*names, *own), np.column_stack([atoms, *own.values()])
-
-    def value(formula: Formula) -> np.ndarray:
-        asked = without_state(formula, scene.predicates, robot)
-        return robustness(asked, atoms[:, None, :], names)
-
-    goal_margin = [np.where(beyond, PADDING_MARGIN, value(goal)) for goal in goals]
-    obstacle_margin = {o: value(o) for combination in obstacles for o in combination}
+    value = _values_on(nodes, scene)
+    beyond, at = world.beyond(nodes), steps or [0] * len(goals)
+    goal_margin = [
+        np.where(beyond, PADDING_MARGIN, value(goal, step))
+        for goal, step in zip(goals, at, strict=True)
+    ]
+    standing = {o: _standing(o, scene.moving) for combination in obstacles for o in combination}
+    obstacle_margin = {o: value(asked, 0) for o, asked in standing.items()}
     blocked = [
         beyond | _blocked([obstacle_margin[o] for o in group], len(nodes), world.clearance)
         for group in obstacles
@@ -237,8 +272,11 @@ def goal_geometry(
     )
     random = np.random.default_rng(scene.seed)
     low, high = world.limits
-    for i, (goal, margin) in enumerate(zip(goals, goal_margin, strict=True)):
-        if margin.max() < -grid.spacing and not (spared and spared[i]):
+    deepest = {goal: -np.inf for goal in goals}
+    for goal, margin in zip(goals, goal_margin, strict=True):
+        deepest[goal] = max(deepest[goal], float(margin.max()))
+    for i, goal in enumerate(goals):
+        if deepest[goal] < -grid.spacing and not (spared and spared[i]):
             raise SceneError(
                 f"{scene.name}: no position in the workspace satisfies {to_text(goal)}; the "
                 f"arena extends from {low.tolist()} to {high.tolist()} m{_wider(scene)}"
@@ -246,7 +284,33 @@ def goal_geometry(
     points = [_sample_inside(nodes, m, blocked[0], samples, random) for m in goal_margin]
     center = [nodes.mean(0) if m.min() == np.inf else nodes[m.argmax()] for m in goal_margin]
     legs = _legs(fields.reshape(*fields.shape[:2], len(nodes), -1)[..., 0], goal_margin)
-    return GoalGeometry(fields, np.stack(points), np.stack(center), legs)
+    depth = np.clip([margin.max() for margin in goal_margin], 0.0, -PADDING_MARGIN)
+    return GoalGeometry(fields, np.stack(points), np.stack(center), legs, depth)
+
+
+def _values_on(nodes: np.ndarray, scene: Scene) -> Callable[[Formula, int], np.ndarray]:
+    """Values [P] of what state formulas ask of the position, at positions [P, d] and a step [m]."""
+    names, robot = scene.region_names, robot_of(scene)
+    own = positional_margins(scene.predicates, robot, nodes) if scene.predicates else {}
+    positions = jnp.asarray(nodes, jnp.float32)
+
+    @lru_cache
+    def atoms_at(step: int) -> np.ndarray:
+        regions = tuple(region.displaced(step) for region in scene.regions)
+        atoms = np.asarray(_margins_at(region_arrays(regions, scene.dimension, 32), positions))
+        atoms = atoms[:, : len(regions)]
+        return np.column_stack([atoms, *own.values()]) if own else atoms
+
+    def value(formula: Formula, step: int) -> np.ndarray:
+        asked = without_state(formula, scene.predicates, robot)
+        return robustness(asked, atoms_at(step)[:, None, :], (*names, *own))
+
+    return value
+
+
+def _standing(obstacle: Formula, moving: frozenset[str]) -> Formula:
+    """What an obstacle, in negation normal form, asks of the regions that stand, or less."""
+    return fold_constants(relaxed(obstacle, moving)) if moving else obstacle
 
 
 def _wider(scene: Scene) -> str:

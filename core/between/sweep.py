@@ -8,7 +8,9 @@ A step is looked at in `SUBSTEPS` places at least. Margins change by no more tha
 farthest moving point of its body) travels: on a part of length l that has the values f and g at
 its ends, a formula is at least (f + g - l) / 2. Parts on which that leaves the sign open are
 halved until it does not, or the doubt is below `DOUBT`. So no obstacle is too thin to be seen.
-Predicates of the state change by no more than their scaled quantities.
+Where regions move, they too go along straight lines between the steps, and what counts is how far
+the robot travels as seen from any of them: no wall is too fast. Predicates of the state change by
+no more than their scaled quantities.
 
 Dimensions: R rollouts, T steps, K state formulas, A atoms, n state, M parts, P points of a body.
 """
@@ -23,8 +25,8 @@ import numpy as np
 from core.compilation import program
 from core.stl import Formula, robustness_signal
 from core.task.inequalities import scaled_quantities
-from core.task.problem import Problem, atom_margins
-from core.task.protocols import Array, BodiedRobot
+from core.task.problem import Problem, atom_margins, data_at
+from core.task.protocols import Array, BodiedRobot, MovingWorld
 from core.task.task import Task
 
 SUBSTEPS = 8
@@ -73,10 +75,23 @@ def swept(task: Task, states: np.ndarray, predicates: Sequence[Formula]) -> Swee
     return Sweep(*map(np.concatenate, zip(*parts, strict=True)))
 
 
-def look(task: Task, states: np.ndarray, predicates: Sequence[Formula]) -> Looked:
-    """Values of state formulas [K] in states [..., n]."""
+def look(
+    task: Task, states: np.ndarray, times: np.ndarray, predicates: Sequence[Formula]
+) -> Looked:
+    """Values of state formulas [K] in states [..., n].
+
+    Args:
+        task: whose robot and regions are meant.
+        states: of traces.
+        times: of the states, in steps; they are broadcast.
+        predicates: state formulas [K] over the task's atoms.
+    """
     flat = states.reshape(-1, states.shape[-1])
-    rows = [_look(task.problem, flat[i : i + ROWS]) for i in range(0, len(flat), ROWS)]
+    clock = np.broadcast_to(np.asarray(times, np.float32), states.shape[:-1]).reshape(-1)
+    rows = [
+        _look(task.problem, flat[i : i + ROWS], clock[i : i + ROWS])
+        for i in range(0, len(flat), ROWS)
+    ]
     margins, points = map(np.concatenate, zip(*rows, strict=True))
     names = task.grounding.atoms
     atoms = margins[:, None, : len(names)]
@@ -93,7 +108,8 @@ def _swept(task: Task, states: np.ndarray, predicates: Sequence[Formula]) -> Swe
     change = np.diff(states, axis=1)
     fine = states[:, :-1, None] + share[:, None] * change[:, :, None]
     fine = np.concatenate([fine.reshape(rollouts, steps * SUBSTEPS, -1), states[:, -1:]], 1)
-    seen = look(task, fine, predicates)
+    times = np.arange(steps * SUBSTEPS + 1, dtype=np.float32) / SUBSTEPS
+    seen = look(task, fine, times, predicates)
     inside = np.arange(steps)[:, None] * SUBSTEPS + np.arange(SUBSTEPS + 1)
     values, points = seen.values[:, inside], seen.points[:, inside]  # [R, T, SUBSTEPS + 1, ...]
     least = values.argmin(2)
@@ -138,7 +154,8 @@ def _refine(  # noqa: PLR0913
         length = length / 2
         share = parts.share + length
         before, after = (states[parts.step[:, 0], parts.step[:, 1] + i] for i in (0, 1))
-        middle = look(task, before + share[:, None] * (after - before), predicates)
+        between = before + share[:, None] * (after - before)
+        middle = look(task, between, parts.step[:, 1] + share, predicates)
         _lower(found, parts.step, share, middle.values)
         first = parts._replace(high=middle)
         second = parts._replace(share=share, low=middle)
@@ -162,27 +179,37 @@ def _lower(found: Sweep, step: np.ndarray, share: np.ndarray, values: np.ndarray
     found.share[step[part, 0], step[part, 1], column] = share[part]
 
 
-def _look(problem: Problem, states: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Margins [M, A] and points [M, P, d] in M <= `ROWS` states [M, n]."""
-    padded = np.concatenate([states, np.repeat(states[-1:], ROWS - len(states), 0)])
-    margins, points = _seen(problem, jnp.asarray(padded, jnp.float32))
+def _look(problem: Problem, states: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Margins [M, A] and points [M, P, d] in M <= `ROWS` states [M, n] at times [M]."""
+    missing = ROWS - len(states)
+    padded = np.concatenate([states, np.repeat(states[-1:], missing, 0)])
+    clock = None  # of regions that stand still, the time tells nothing
+    if problem.sites is not None:
+        clock = jnp.asarray(np.append(times, np.repeat(times[-1:], missing)), jnp.float32)
+    margins, points = _seen(problem, jnp.asarray(padded, jnp.float32), clock)
     return np.asarray(margins)[: len(states)], np.asarray(points)[: len(states)]
 
 
 @program
-def _seen(problem: Problem, states: Array) -> tuple[Array, Array]:
-    """Margins [M, A] of the atoms and points [M, P, d] of the body in states [M, n]."""
+def _seen(problem: Problem, states: Array, times: Array | None) -> tuple[Array, Array]:
+    """Margins [M, A] of the atoms and points [M, P, d] of the body in states [M, n] at times [M].
 
-    def one(state: Array) -> tuple[Array, Array]:
-        margins, _ = atom_margins(problem, state)
+    Where regions move, points are given as they are seen from each of them.
+    """
+
+    def one(state: Array, time: Array | None) -> tuple[Array, Array]:
+        margins, _ = atom_margins(problem, state, time)
         points = problem.robot.position(state)[None]
         if problem.on_body is not None:
             centers, _ = cast(BodiedRobot, problem.robot).body(state)
             points = jnp.concatenate([points, centers])
+        if problem.sites is not None:
+            moved = cast(MovingWorld, problem.world).displacements(data_at(problem, time))
+            points = (points[:, None] - moved).reshape(-1, points.shape[-1])
         if problem.inequalities is not None:
             quantities = scaled_quantities(problem.inequalities, problem.robot, state)
             apart = jnp.pad(points, ((0, 0), (0, quantities.size)))
             points = jnp.concatenate([apart, jnp.pad(quantities, (points.shape[1], 0))[None]])
         return margins, points
 
-    return jax.vmap(one)(states)
+    return jax.vmap(one, (0, None if times is None else 0))(states, times)

@@ -141,7 +141,8 @@ class _Seen(NamedTuple):
 def _seen(task: Task, strict: Strict, states: np.ndarray) -> _Seen:
     states = np.asarray(states)[:, : task.horizon + 1]
     asked = list(strict.asked.values())
-    at_steps = look(task, states, [each.predicate for each in asked]).values
+    times = np.arange(states.shape[1])
+    at_steps = look(task, states, times, [each.predicate for each in asked]).values
     sweep = swept(task, states, strict.invariants)
     columns = np.array(at_steps)
     for i, each in enumerate(strict.invariants):
@@ -171,7 +172,8 @@ def _closest(
     for _ in range(3):
         width = width / 8
         shares = np.clip(share + np.linspace(-width, width, FINE + 1), 0.0, 1.0)
-        found = look(task, before + shares[:, None] * (after - before), (invariant,))
+        states_between = before + shares[:, None] * (after - before)
+        found = look(task, states_between, step + shares, (invariant,))
         best = int(found.values[:, 0].argmin())
         if found.values[best, 0] < margin:
             margin, share = float(found.values[best, 0]), float(shares[best])

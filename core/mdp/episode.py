@@ -69,7 +69,7 @@ def check_between(
     """
     if problem.between is None:
         return checks
-    mu, formula = margins_between(problem, *states), problem.formula
+    mu, formula = margins_between(problem, *states, tau), problem.formula
     subgoal = (formula.subgoals.sign * mu[:, formula.subgoals.predicate]).min(0)[windows.order]
     constraint = (formula.constraints.sign * mu[:, formula.constraints.predicate]).min(0)
     start = jnp.concatenate([windows.start, windows.constraint_start])

@@ -148,7 +148,7 @@ class PaperMode:
         return features
 
     def _sense(self, mdp: GroundedMdp, state: Array, tau) -> PaperSense:
-        mu, gradient = extended_margins(mdp.problem, state)
+        mu, gradient = extended_margins(mdp.problem, state, tau)
         return PaperSense(check(mdp.problem, mdp.windows, tau, mu, gradient))
 
 

@@ -7,6 +7,9 @@ as a constraint on the way to the next subgoal.
 
 A simulation that diverges ends its episode like a violation.
 
+Where regions move, ways lead to where the current subgoal will be: when its window opens, or at
+the next step once it is open. Dangers are perceived as they are about to be (`core.mdp.dangers`).
+
 Reward: shape * (distance before - distance after) along the geodesic field of the current leg
 (potential shaping; lengths in units of the robot's), lambda_2 per subgoal, lambda_3 for the last
 one, lambda_4 for a violation.
@@ -14,13 +17,14 @@ one, lambda_4 for a violation.
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from msgspec import Meta
 
 from core.documents import Positive, Share, Weight
+from core.mdp.dangers import coming_checks, nearest_dangers
 from core.mdp.episode import (
     Checks,
     Episode,
@@ -32,8 +36,9 @@ from core.mdp.episode import (
     worst_open_constraint,
 )
 from core.mdp.grounded import GroundedMdp
-from core.task.problem import closed_doors, extended_margins
+from core.task.problem import Problem, closed_doors, data_at, extended_margins
 from core.task.protocols import Array
+from core.task.sites import center_at
 from core.task.sizes import STANDARD
 from core.task.windows import Windows, field_index
 
@@ -45,6 +50,7 @@ class Sense(NamedTuple):
     """What the robot perceives in one augmented state."""
 
     checks: Checks
+    coming: Checks | None  # as they are about to be; None where nothing moves
     distance: Array  # [] geodesic distance to the current subgoal [m]
     direction: Array  # [d] unit direction of travel
     ahead: Array  # [K, d] unit directions of travel further along the way
@@ -52,6 +58,11 @@ class Sense(NamedTuple):
     doors: Array  # [] combination of closed doors
     live: Array  # [] whether a subgoal is left
     holding: Array  # [] whether the current subgoal is an open stay
+
+    @property
+    def dangers(self) -> Checks:
+        """What may be violated next."""
+        return self.checks if self.coming is None else self.coming
 
 
 @dataclass(frozen=True)
@@ -167,10 +178,10 @@ class StudioMode:
         opens_next = windows.start[following] - episode.tau
         hurry = jnp.clip(sense.distance / (jnp.maximum(opens, 1.0) * robot.speed), 0, 2)
         direction = sense.direction * jnp.minimum(1.0, 4 * distance) * live
-        centers = (problem.center[windows.order] - position) / robot.length
+        centers = (_centers(problem, windows, episode.tau) - position) / robot.length
         center, onward = centers[rank] * live, centers[following] * next_live
-        margins, obstacles = _nearest_dangers(
-            windows, episode.tau, sense, robot.length, self.dangers
+        margins, obstacles = nearest_dangers(
+            windows, episode.tau, sense.dangers, robot.length, self.dangers
         )
         vectors = jnp.stack(
             [
@@ -224,14 +235,14 @@ class StudioMode:
     def _sense(self, mdp: GroundedMdp, state: Array, tau) -> Sense:
         problem, windows = mdp.problem, mdp.windows
         position = problem.robot.position(state)
-        mu, gradient = extended_margins(problem, state)
+        mu, gradient = extended_margins(problem, state, tau)
         checks = check(problem, windows, tau, mu, gradient)
         rank, holding = _target(windows, tau)
         live = (rank < windows.count).astype(jnp.float32)
         doors = closed_doors(problem, windows.constraint_start, windows.constraint_end, tau)
         subgoal = windows.order[jnp.minimum(rank, windows.order.shape[0] - 1)]
         index = field_index(problem.formula, subgoal, doors)
-        way = partial(problem.world.field, problem.data, index)
+        way = partial(problem.world.field, _data_due(problem, windows, rank, tau), index)
         distance, direction = way(position)
         steps = problem.robot.length * jnp.diff(jnp.asarray(self.ahead), prepend=0.0)
         point, following, ahead = position, direction, []
@@ -240,7 +251,26 @@ class StudioMode:
             _, following = way(point)
             ahead.append(following)
         directions = jnp.stack(ahead) if ahead else jnp.zeros((0, *position.shape))
-        return Sense(checks, distance * live, direction, directions, rank, doors, live, holding)
+        coming = None if problem.sites is None else coming_checks(problem, windows, tau, state)
+        return Sense(
+            checks, coming, distance * live, direction, directions, rank, doors, live, holding
+        )
+
+
+def _data_due(problem: Problem, windows: Windows, rank: Array, tau: Array) -> Any:
+    """The world's data when the subgoal of a rank opens, or at the next step if that is later."""
+    if problem.sites is None:
+        return problem.data
+    start = windows.start[jnp.minimum(rank, windows.order.shape[0] - 1)]
+    return data_at(problem, jnp.maximum(start, tau + 1))
+
+
+def _centers(problem: Problem, windows: Windows, tau: Array) -> Array:
+    """Centres [G, d] of the subgoals in order of start: where they will be when they open [m]."""
+    if problem.sites is None:
+        return problem.center[windows.order]
+    due = jnp.maximum(windows.start, tau + 1)
+    return jax.vmap(partial(center_at, problem.sites))(windows.order, due)
 
 
 def _target(windows: Windows, tau: Array) -> tuple[Array, Array]:
@@ -254,30 +284,3 @@ def _target(windows: Windows, tau: Array) -> tuple[Array, Array]:
     )
     keep = (held >= 0) & (next_start > windows.end[held])
     return jnp.where(keep, held, entered), keep
-
-
-def _nearest_dangers(
-    windows: Windows, tau: Array, sense: Sense, length: float, count: int
-) -> tuple[Array, Array]:
-    """Margins [count] and directions [count, d] of the tasks closest to being violated.
-
-    The closest first; directions fade with distance, and margins are in units of `length`.
-    Candidates are the constraints that hold at the next step and the stays that are open.
-    """
-    checks = sense.checks
-    soon = tau + 1
-    constraint = (windows.constraint_start <= soon) & (soon <= windows.constraint_end)
-    stay = (windows.start <= tau) & (soon <= windows.end)
-    margin = jnp.where(
-        jnp.concatenate([stay, constraint]),
-        jnp.concatenate([checks.subgoal, checks.constraint]),
-        9.0 * length,
-    )
-    values, directions = [], []
-    for _ in range(count):  # faster than a sort
-        nearest = margin.argmin()
-        value = margin[nearest] / length
-        values.append(value)
-        directions.append(-checks.gradient[nearest] * jnp.exp(-3 * jnp.clip(value, -0.3, 3.0)))
-        margin = margin.at[nearest].set(9.0 * length)
-    return jnp.stack(values), jnp.stack(directions)

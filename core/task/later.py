@@ -19,17 +19,24 @@ def later(problem: Problem, step: Array | int) -> Problem:
     """What is left of a problem at a step, as if an episode began there.
 
     Schedules keep their meaning. Windows that are over are left out, and what has begun is due at
-    once; whether it was met is not asked.
+    once; whether it was met is not asked. Regions that move have come as far as they have then.
     """
     formula = problem.formula
     formula = formula._replace(
         subgoals=_shifted(formula.subgoals, step), constraints=_shifted(formula.constraints, step)
     )
+    if problem.sites is not None:
+        sites = problem.sites._replace(since=problem.sites.since + step)
+        return replace(problem, formula=formula, sites=sites)
     return replace(problem, formula=formula)
 
 
 def past_margins(problem: Problem, states: Array) -> Array:
-    """mu_ext [L + 1, E] in states [L + 1, n], in [m]."""
+    """mu_ext [L + 1, E] in states [L + 1, n] of the steps from 0 on, in [m]."""
+    if problem.sites is not None:
+        steps = jnp.arange(states.shape[0], dtype=jnp.float32)
+        at_step = jax.vmap(lambda state, step: extended_margins(problem, state, step)[0])
+        return at_step(states, steps)
     return jax.vmap(lambda state: extended_margins(problem, state)[0])(states)
 
 

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 
 from core.task.grounding import FormulaArrays
 from core.task.inequalities import Inequalities, with_inequalities
-from core.task.protocols import Array, BodiedRobot, Robot, World
+from core.task.protocols import Array, BodiedRobot, MovingWorld, Robot, World
+from core.task.sites import Sites
 
 SAMPLES_INSIDE = 64
 """Positions kept per subgoal for exploring starts."""
@@ -45,6 +46,8 @@ class Problem:
     None where only steps count."""
     inequalities: Inequalities | None = None
     """Predicates of the state, whose atoms come after the regions'; None where there are none."""
+    sites: Sites | None = None
+    """Where subgoals are, step by step; None where no region moves."""
 
 
 def to_device(problem: Problem) -> Problem:
@@ -52,21 +55,41 @@ def to_device(problem: Problem) -> Problem:
     return jax.tree.map(lambda leaf: jnp.asarray(leaf, leaf.dtype), problem)
 
 
-def atom_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
+def data_at(problem: Problem, step: Array | float | None) -> Any:
+    """The world's data at a step of the problem, or between two.
+
+    Raises:
+        ValueError: no step is given, but regions move.
+    """
+    if problem.sites is None:
+        return problem.data
+    if step is None:
+        raise ValueError("regions move: margins and ways are those at a step, but none is given")
+    return cast(MovingWorld, problem.world).at(problem.data, problem.sites.since + step)
+
+
+def atom_margins(
+    problem: Problem, state: Array, step: Array | float | None = None
+) -> tuple[Array, Array]:
     """Margins of the atoms [A] in [m] in a state [n], and their gradients [A, d].
+
+    Where regions move, they are where they are at a step, which may be no whole number; a problem
+    in which nothing moves needs none.
 
     In general, margins of the robot's position. Atoms that are `on_body` are entered as soon as any
     ball of the body touches them: the maximum, over position and balls, of margin plus radius.
     Predicates of the state have margins and gradients of their own (`core.task.inequalities`).
     """
-    found = _region_margins(problem, state)
+    found = _region_margins(problem, state, step)
     if problem.inequalities is None:
         return found
     return with_inequalities(problem.inequalities, problem.robot, state, found)
 
 
-def _region_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
-    robot, margins_at = problem.robot, partial(problem.world.margins, problem.data)
+def _region_margins(
+    problem: Problem, state: Array, step: Array | float | None
+) -> tuple[Array, Array]:
+    robot, margins_at = problem.robot, partial(problem.world.margins, data_at(problem, step))
     margin, gradient = margins_at(robot.position(state))
     if problem.on_body is None:
         return margin, gradient
@@ -79,20 +102,28 @@ def _region_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
     return margins[deepest, atom], gradients[deepest, atom]
 
 
-def margins_between(problem: Problem, before: Array, after: Array) -> Array:
-    """mu_ext [S, A + P] in the states between two states [n], where the problem looks there."""
+def margins_between(problem: Problem, before: Array, after: Array, step: Array) -> Array:
+    """mu_ext [S, A + P] in the states between two states [n], where the problem looks there.
+
+    The second is that of a step, the first that of the step before.
+    """
     assert problem.between is not None
     states = before + problem.between[:, None] * (after - before)
-    return jax.vmap(lambda state: extended_margins(problem, state)[0])(states)
+    if problem.sites is None:
+        return jax.vmap(lambda state: extended_margins(problem, state)[0])(states)
+    times = step - 1 + problem.between
+    return jax.vmap(lambda state, time: extended_margins(problem, state, time)[0])(states, times)
 
 
-def extended_margins(problem: Problem, state: Array) -> tuple[Array, Array]:
+def extended_margins(
+    problem: Problem, state: Array, step: Array | float | None = None
+) -> tuple[Array, Array]:
     """Margins of atoms and compound predicates: mu_ext [A + P] [m] and gradients [A + P, d].
 
     A compound predicate is max over its clauses of min over its signed atoms; its gradient is
     that of the deciding atom.
     """
-    margin, gradient = atom_margins(problem, state)
+    margin, gradient = atom_margins(problem, state, step)
     formula = problem.formula
     signed = formula.clause_sign * margin[formula.clause_atom]
     literal = jnp.where(formula.clause_sign == 0, jnp.inf, signed)
@@ -126,7 +157,10 @@ def closed_doors(problem: Problem, start: Array, end: Array, tau: Array) -> Arra
 
 
 def trace_margins(problem: Problem, states: Array) -> Array:
-    """Margins of the atoms [L, R, A] in states [L, R, n], in [m]."""
+    """Margins of the atoms [L, R, A] in states [L, R, n] of the steps 0 to L - 1, in [m]."""
+    if problem.sites is not None:
+        at_step = jax.vmap(lambda state, step: atom_margins(problem, state, step)[0], (0, None))
+        return jax.vmap(at_step)(states, jnp.arange(states.shape[0], dtype=jnp.float32))
     flat = states.reshape(-1, states.shape[-1])
     margins, _ = jax.vmap(partial(atom_margins, problem))(flat)
     return margins.reshape(*states.shape[:2], -1)

@@ -186,3 +186,15 @@ class World(Protocol):
     def sample_initial(self, data: Any, key: Array) -> Array:
         """A position [d] of the initial set."""
         ...
+
+
+class MovingWorld(World, Protocol):
+    """A world whose regions move along paths that are known beforehand."""
+
+    def at(self, data: Any, step: Array) -> Any:
+        """The data at a step, or between two: margins and fields are those of that time."""
+        ...
+
+    def displacements(self, data: Any) -> Array:
+        """How far regions have moved [U, d] by then, each different way once, and 0 [m]."""
+        ...

@@ -77,8 +77,13 @@ class Task:
 
         Rounding lets formulas of nearly the same horizon share their compiled programs.
         """
-        return -(-self.horizon // STEP_BUCKET) * STEP_BUCKET
+        return padded_steps(self.horizon)
 
 
 STEP_BUCKET = 16
 """Horizons are rounded up to a multiple of this many steps."""
+
+
+def padded_steps(horizon: int) -> int:
+    """A horizon rounded up [steps]."""
+    return -(-horizon // STEP_BUCKET) * STEP_BUCKET

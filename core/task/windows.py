@@ -5,14 +5,16 @@ guards t does not meet, and empty windows, never open. A schedule's *shortfall* 
 steps by which its legs are too short to travel: 0 for a feasible schedule.
 """
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 
 from core.task.grounding import NEVER, FormulaArrays, TaskArrays
-from core.task.problem import Problem, closed_doors
+from core.task.problem import Problem, closed_doors, data_at
 from core.task.protocols import Array
+from core.task.sites import Sites, center_at, depth_at
 
 UNREACHABLE = 100.0
 """Shortfall of an impossible order, of an inadmissible chain or of a forbidden visit [steps]."""
@@ -89,7 +91,11 @@ class Legs(NamedTuple):
 
 
 def legs_of(problem: Problem, windows: Windows, position: Array, reserve: float) -> Legs:
-    """The legs of a schedule that starts at a position [d]; see `leg_slack`."""
+    """The legs of a schedule that starts at a position [d]; see `leg_slack`.
+
+    Where regions move, a leg leads from where its source is when it begins to where its target is
+    when its window opens.
+    """
     robot = problem.robot
     previous = jnp.concatenate([windows.order[:1], windows.order[:-1]])
     previous_start = jnp.concatenate([jnp.zeros(1), windows.start[:-1]])
@@ -100,18 +106,55 @@ def legs_of(problem: Problem, windows: Windows, position: Array, reserve: float)
         problem, windows.constraint_start, windows.constraint_end, depart
     )
     distance = problem.legs[doors, previous, windows.order]
+    meeting = None
+    if problem.sites is not None:
+        ways = partial(_moving_legs, problem, problem.sites, windows, previous, doors, distance)
+        distance, meeting = ways(depart), ways(windows.start)
     goal = field_index(problem.formula, windows.order[0], doors[0])
-    first, _ = problem.world.field(problem.data, goal, position)
+    first, _ = problem.world.field(data_at(problem, windows.start[0]), goal, position)
     distance = distance.at[0].set(first)
     live = jnp.arange(windows.start.shape[0]) < windows.count
     needed = jnp.where(distance > 0, reserve * distance / robot.speed + robot.lag, 0.0)
-    conflict = live & overlap & (distance > APART * robot.length)
+    apart = distance if meeting is None else meeting
+    conflict = live & overlap & (apart > APART * robot.length)
     bars = problem.formula.bars[windows.order] > 0
     meets = (windows.constraint_start <= windows.end[:, None]) & (
         windows.start[:, None] <= windows.constraint_end
     )
     barred = live & (bars & meets & (windows.constraint_start < NEVER)).any(-1)
     return Legs(live, needed, windows.start - depart, overlap, conflict, barred)
+
+
+def _moving_legs(  # noqa: PLR0913
+    problem: Problem,
+    sites: Sites,
+    windows: Windows,
+    previous: Array,
+    doors: Array,
+    standing: Array,
+    depart: Array,
+) -> Array:
+    """Distances [G] of the legs from sources, as they are at steps [G], to targets at their start.
+
+    Args:
+        problem: of which regions move.
+        sites: its sites.
+        windows: of a schedule.
+        previous: the sources [G].
+        doors: combinations of closed doors [G].
+        standing: distances [G] where neither end moves [m].
+        depart: steps [G].
+    """
+
+    def one(source: Array, target: Array, door: Array, leaves: Array, arrives: Array) -> Array:
+        goal = field_index(problem.formula, target, door)
+        center = center_at(sites, source, leaves)
+        way, _ = problem.world.field(data_at(problem, arrives), goal, center)
+        return jax.nn.relu(way - depth_at(sites, source, leaves))
+
+    ways = jax.vmap(one)(previous, windows.order, doors, depart, windows.start)
+    moves = sites.moves[previous] | sites.moves[windows.order]
+    return jnp.where(moves, ways, standing)
 
 
 def leg_slack(

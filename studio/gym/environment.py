@@ -34,7 +34,7 @@ class StlEnv(gymnasium.Env):
     n entries   the state, in the units of `robot.state_names`
     1 entry     the share of the episode that is over, 0 at the start and 1 at the end
     A entries   margin of each region in the scene's order [m]: >= 0 inside, minus the distance
-                outside
+                outside; of one that moves, where it is at the time
     ==========  ===============================================================================
 
     What has been visited is not observed: a formula's progress is for the learner to remember.
@@ -94,24 +94,29 @@ class StlEnv(gymnasium.Env):
         """
         super().reset(seed=seed)
         self._state = self._start(options or {})
-        self._trace = [np.asarray(_margins(self.task.problem, self._state))]
+        self._trace = [np.asarray(_margins(self.task.problem, self._state, self._clock(0)))]
         return self._observed(), {}
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Act for one step of the robot."""
         given = jnp.asarray(action, jnp.float32)
+        clock = self._clock(len(self._trace))
         if self._physics is None:
-            self._state, margins = _after(self.task.problem, self._state, given)
+            self._state, margins = _after(self.task.problem, self._state, given, clock)
         else:
             after = self._physics.step(np.asarray(self._state)[None], np.asarray(given)[None])[0]
             self._state = jnp.asarray(after, jnp.float32)
-            margins = _margins(self.task.problem, self._state)
+            margins = _margins(self.task.problem, self._state, clock)
         self._trace.append(np.asarray(margins))
         if not np.isfinite(np.asarray(self._state)).all():
             return self._ended(-np.inf)
         if len(self._trace) <= self.task.horizon:
             return self._observed(), 0.0, False, False, {}
         return self._ended(float(trace_robustness(self.task, np.stack(self._trace)[:, None])[0]))
+
+    def _clock(self, step: int) -> Array | None:
+        """The step [], for regions that move; None for those that stand."""
+        return jnp.float32(step) if self.scene.moving else None
 
     def _start(self, options: dict[str, Any]) -> Array:
         unknown = sorted(set(options) - {"position"})
@@ -143,12 +148,14 @@ class StlEnv(gymnasium.Env):
 
 
 @program
-def _after(problem: Problem, state: Array, action: Array) -> tuple[Array, Array]:
-    """The next state [n] and the margins [A] there."""
+def _after(
+    problem: Problem, state: Array, action: Array, clock: Array | None
+) -> tuple[Array, Array]:
+    """The next state [n] and the margins [A] there, at a step []."""
     following = problem.robot.step(state, action)
-    return following, atom_margins(problem, following)[0]
+    return following, atom_margins(problem, following, clock)[0]
 
 
 @program
-def _margins(problem: Problem, state: Array) -> Array:
-    return atom_margins(problem, state)[0]
+def _margins(problem: Problem, state: Array, clock: Array | None) -> Array:
+    return atom_margins(problem, state, clock)[0]

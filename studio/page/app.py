@@ -45,6 +45,7 @@ from studio.page.views.frame import FrameView
 from studio.page.views.ghosts import GhostsView
 from studio.page.views.grip import GripView
 from studio.page.views.highlight import HighlightView
+from studio.page.views.paths import PathsView
 from studio.page.views.regions import RegionsView
 from studio.page.views.robot import RobotView
 from studio.page.views.start import StartView
@@ -237,6 +238,7 @@ def _build(server: viser.ViserServer, session: Session, shelf: Shelf) -> list[Dr
     views: list[Drawable] = [
         CameraView(server),
         RegionsView(server),
+        PathsView(server),
         FrameView(server),
         HighlightView(server),
         GhostsView(server),

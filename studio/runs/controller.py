@@ -129,10 +129,16 @@ def _without_source_locations() -> Iterator[None]:
 
 
 def _compact(problem: Problem) -> Problem:
-    """The problem with every different distance field once; padding shares one empty field."""
+    """The problem with every different distance field once; padding shares one empty field.
+
+    Where regions move, a table says which field counts when; it takes the place of that index.
+    """
     fields = np.asarray(problem.data.fields)
     first: dict[bytes, int] = {}
     rows = np.array([first.setdefault(field.tobytes(), len(first)) for field in fields], np.int32)
     kept = np.stack([fields[rows == row][0] for row in range(len(first))])
     data = problem.data._replace(fields=jnp.asarray(kept))
+    if data.paths is not None:
+        paths = data.paths._replace(row=jnp.asarray(rows)[data.paths.row])
+        return replace(problem, data=data._replace(paths=paths))
     return replace(problem, world=_CompactWorld(problem.world), data=(data, jnp.asarray(rows)))

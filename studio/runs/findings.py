@@ -8,6 +8,7 @@ from functools import lru_cache
 from core.errors import UserError
 from core.task.feasibility import Finding, judge, refusal
 from scenes import Scene, mission_of, scene_formula
+from scenes.crossing import moving_findings
 
 REMEMBERED = 32
 """Scenes whose findings are kept: an edit is judged by the page and again for its task."""
@@ -50,4 +51,6 @@ def offering_force() -> Iterator[None]:
 
 @lru_cache(maxsize=REMEMBERED)
 def _judged(scene: Scene) -> tuple[Finding, ...]:
-    return judge(mission_of(scene, scene_formula(scene)))
+    formula = scene_formula(scene)
+    found = judge(mission_of(scene, formula))
+    return (*found, *moving_findings(scene, formula)) if scene.moving else found

@@ -12,7 +12,8 @@ import numpy as np
 
 from core.errors import UserError
 from core.methods.tgpo.algorithm import Algorithm
-from core.stl import atom_names
+from core.quoting import listed
+from core.stl import atom_names, quote_name
 from core.task.problem import Problem
 from core.task.task import Layouts, Task
 from scenes import Scene, world_of
@@ -67,8 +68,14 @@ class Drawing:
         """A layout.
 
         Raises:
-            UserError: no layout of the scene can be solved.
+            UserError: regions move, or no layout of the scene can be solved.
         """
+        if self.scene.moving:
+            names = listed(sorted(map(quote_name, self.scene.moving)))
+            raise UserError(
+                f"{self.scene.name}: other layouts are drawn of regions that stand, but {names} "
+                f"{'moves' if len(self.scene.moving) == 1 else 'move'}; train on this scene alone"
+            )
         goals = {
             name
             for subgoal in self.task.grounding.subgoals

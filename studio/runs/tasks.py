@@ -15,7 +15,7 @@ from core.task.grounding import MAX_ATOMS, Grounding, ground
 from core.task.inequalities import Inequalities, inequality_arrays
 from core.task.problem import SAMPLES_INSIDE, Problem, to_device
 from core.task.protocols import Array, Robot, has_body
-from core.task.task import Task
+from core.task.task import Task, padded_steps
 from scenes import (
     ROOM,
     GoalGeometry,
@@ -32,6 +32,7 @@ from scenes import (
 )
 from scenes.compound import Room
 from studio.runs.findings import findings_of, require_possible
+from studio.runs.moving import sites_of, snapshots, with_fields
 from studio.runs.refusals import refusal
 from studio.runs.visits import with_enough_visits
 
@@ -120,9 +121,21 @@ def _geometry(
     spared = tuple(force or goal not in asked for goal in goals)
     if not goals:
         return None
-    key = goals, obstacles, spared
+    key = goals, obstacles, spared, padded_steps(grounding.horizon)
     if key not in known:
-        known[key] = goal_geometry(world, scene, goals, obstacles, SAMPLES_INSIDE, spared)
+        rows, steps = range(len(goals)), []
+        if scene.moving:
+            taken = snapshots(scene, world, grounding)
+            rows, steps = taken.places.tolist(), taken.steps.tolist()
+        known[key] = goal_geometry(
+            world,
+            scene,
+            [goals[row] for row in rows],
+            obstacles,
+            SAMPLES_INSIDE,
+            [spared[row] for row in rows],
+            steps,
+        )
     return known[key]
 
 
@@ -168,14 +181,21 @@ def _problem(
     center = np.zeros((sizes.subgoals, dimension), np.float32)
     legs = np.zeros((2**sizes.doors, sizes.subgoals, sizes.subgoals), np.float32)
     fields = empty
+    taken = snapshots(scene, world, grounding) if scene.moving else None
     if geometry is not None:
         place = formula.place[: len(grounding.subgoals)]
+        if taken is not None:
+            place = taken.row[0, place]
         combinations, count = geometry.fields.shape[1], len(place)
         fields = geometry.fields.reshape(-1, *empty.shape[1:])
         inside[:count], center[:count] = geometry.inside[place], geometry.center[place]
         legs[:combinations, :count, :count] = geometry.legs[:, place][:, :, place]
     padding = np.repeat(empty, _padded_fields(len(fields)) - len(fields), axis=0)
-    data = world_arrays(scene, MAX_ATOMS, np.concatenate([fields, padding]), world, room)
+    steps = padded_steps(grounding.horizon)
+    whole = np.concatenate([fields, padding])
+    data = world_arrays(scene, MAX_ATOMS, whole, steps, world=world, room=room)
+    if taken is not None:
+        data = with_fields(data, grounding, taken)
     return to_device(
         Problem(
             robot,
@@ -188,6 +208,7 @@ def _problem(
             _on_body(scene, world, grounding) if has_body(robot) else None,
             jnp.arange(1, SUBSTEPS) / SUBSTEPS if scene.between_steps else None,
             _inequalities(scene) if scene.predicates else None,
+            None if taken is None else sites_of(grounding, taken, geometry),
         )
     )
 

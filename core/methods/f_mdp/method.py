@@ -71,7 +71,7 @@ class FlagHistory:
 
     def observe(self, problem: Problem, data: FlagArrays, memory: Flags, state: Array) -> Observed:
         """The flags with a further state [n]."""
-        margin, _ = atom_margins(problem, state)
+        margin, _ = atom_margins(problem, state, memory.step)
         held = jnp.where(data.always, jnp.minimum(memory.level + 1, data.width), data.width)
         missed = jnp.where(data.always, 0, jnp.maximum(memory.level - 1, 0))
         read = (data.first <= memory.step) & (memory.step <= data.last)

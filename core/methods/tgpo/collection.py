@@ -20,6 +20,7 @@ from core.methods.tgpo.sampler import Elite, metropolis_hastings
 from core.task.problem import Problem, initial_states
 from core.task.protocols import Array
 from core.task.schedules import feasible_schedules, uniform_schedules
+from core.task.sites import inside_at
 
 
 class Batch(NamedTuple):
@@ -294,6 +295,9 @@ def _following_starts(
             chosen &= tau < windows.last
         else:
             chosen &= windows.count > 1
+        if problem.sites is not None:
+            there = inside_at(problem.sites, windows.order[rank], sample, tau)
+            placed = problem.robot.place(place_key, there)
         tau = jnp.where(chosen, tau, 0.0)
         return jnp.where(chosen, placed, state), tau
 

@@ -14,6 +14,7 @@ from envs import ENVS
 from scenes import Predicate, Region, Scene, unit_of
 from scenes.arena import Arena
 from scenes.checks import LONGEST_NAME
+from scenes.motion import Motion
 from studio.page.editing.history import History
 from studio.page.editing.meaning import differences
 from studio.page.editing.renaming import rename_in_formula
@@ -136,11 +137,11 @@ class Document:
 
     def reshape(self, name: str, kind: str, center: Sequence[float], size: Sequence[float]) -> None:
         """Change the kind of a region to one that has a center and a size."""
-        region = Region(name, kind, tuple(center), tuple(size), self.region(name).color)
+        region = Region(name, kind, tuple(center), tuple(size))
         self.put(name, region, "change")
 
     def put(self, name: str, shape: Region, verb: str, gesture: str | None = None) -> None:
-        """Give a region another shape; name and colour stay.
+        """Give a region another shape; name, colour and path stay.
 
         Args:
             name: of the region; the empty one for the initial set.
@@ -149,12 +150,19 @@ class Document:
             gesture: that the step is part of.
         """
         if name == "":
-            initial = replace(shape, name=self.scene.initial.name, color=self.scene.initial.color)
+            old = self.scene.initial
+            initial = replace(shape, name=old.name, color=old.color, motion=None)
             scene = replace(self.scene, initial=initial)
             self._record("change the initial set", scene, gesture)
             return
-        color = self.region(name).color
-        self._change(f"{verb} {name}", name, replace(shape, name=name, color=color), gesture)
+        old = self.region(name)
+        region = replace(shape, name=name, color=old.color, motion=old.motion)
+        self._change(f"{verb} {name}", name, region, gesture)
+
+    def set_motion(self, name: str, motion: Motion | None, begins: Sequence[float]) -> None:
+        """Have a region move, from a position of its centre on [m], or stand there."""
+        region = self.region(name).at(begins)
+        self._change(f"change the path of {name}", name, replace(region, motion=motion))
 
     def recolor(self, name: str, color: str | None, gesture: str | None = None) -> None:
         """Change a region's colour, `#rrggbb`; None for the viewer's choice."""

@@ -10,6 +10,7 @@ from studio.page.session import Session
 from studio.page.views.camera import CameraView
 from studio.page.views.floor import FloorView
 from studio.page.views.frame import FrameView
+from studio.page.views.paths import PathsView
 from studio.page.views.regions import RegionsView
 from studio.page.views.robot import RobotView
 from studio.runs.recording import Recording
@@ -37,25 +38,28 @@ def rollout_html(session: Session, recording: Recording) -> bytes:
             raise UserError("The recording needs a free port on this machine, but there is none.")
         server = start_server(HOST, port, "recording")
     try:
-        for view in (CameraView(server), FloorView(server), FrameView(server), RegionsView(server)):
+        for view in (CameraView(server), FloorView(server), PathsView(server)):
             view.draw(session)
-        robot = RobotView(server)
+        moving = FrameView(server), RegionsView(server), RobotView(server)
         player = SimpleNamespace(recording=recording, position=0.0)
         shown = cast(
             Any,
             SimpleNamespace(
                 player=player,
+                document=session.document,
                 specification=session.specification,
                 analyst=session.analyst,
                 hand=SimpleNamespace(held=None),
             ),
         )
-        robot.draw(shown)
+        for view in moving:
+            view.draw(shown)
         serializer = server.get_scene_serializer()
         step = FRAME * SPEED / recording.task.robot.dt
         for frame in range(int(recording.steps / step) + 2):
             player.position = min(frame * step, float(recording.steps))
-            robot.draw(shown)
+            for view in moving:
+                view.draw(shown)
             serializer.insert_sleep(FRAME)
         return serializer.as_html().encode()
     finally:

@@ -8,6 +8,7 @@ from scenes import Region
 from studio.page.editing.editor import CLICKED, INITIAL, SELECT, TOOLS
 from studio.page.figures.svg import escape
 from studio.page.panels.html import Html
+from studio.page.panels.path_field import PathField
 from studio.page.panels.predicates import PredicateFields
 from studio.page.panels.region_fields import RegionFields
 from studio.page.server.clicks import ClickField
@@ -30,6 +31,7 @@ class RegionsPanel:
             )
             self._content = Html(gui)
             self._fields = RegionFields(gui, session)
+            self._path = PathField(gui, session)
             self._predicates = PredicateFields(gui, session)
 
     def draw(self, session: Session) -> None:
@@ -39,6 +41,7 @@ class RegionsPanel:
         chips = "".join(f'<div class="tg-chips">{row}</div>' for row in rows if row)
         self._content.show(f'<div class="tg tg-regions">{chips}{hint}</div>')
         self._fields.draw(session)
+        self._path.draw(session)
         self._predicates.draw(session)
 
     def _tools(self, session: Session) -> str:

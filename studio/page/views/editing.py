@@ -18,7 +18,7 @@ from studio.page.editing.shapes import axis_of, half_extents, handles
 from studio.page.session import Session
 from studio.page.views.outlines import outline
 from studio.page.views.pointer import on_axis_drag, on_level_drag
-from studio.page.views.regions import HEIGHT
+from studio.page.views.regions import HEIGHT, shown_step
 from studio.page.views.roles import Role, roles
 from studio.page.views.solids import seen
 from studio.theme import BRAND
@@ -45,7 +45,7 @@ class EditingView:
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene, self._server = server.scene, server
-        self._selected: tuple[Region | None, Decomposition | None] | None = None
+        self._selected: tuple[Region | None, Region | None, Decomposition | None] | None = None
         self._preview: Region | None = None
         self._corners: tuple[tuple[float, float], ...] = ()
         self._kinds: tuple = ()
@@ -54,11 +54,13 @@ class EditingView:
     def draw(self, session: Session) -> None:
         """Follow the editor."""
         editor = session.editor
-        selected = (editor.selected, session.specification.decomposition)
+        region = editor.selected
+        there = None if region is None else region.displaced(shown_step(session))
+        selected = (region, there, session.specification.decomposition)
         if selected != self._selected:
             self._selected = selected
             with self._server.atomic():
-                self._show_selected(session, editor.selected)
+                self._show_selected(session, region, there)
         if editor.corners != self._corners:
             self._corners = editor.corners
             self._show_corners(editor.corners, editor.unit)
@@ -81,12 +83,14 @@ class EditingView:
             thickness_units="screen",
         )
 
-    def _show_selected(self, session: Session, region: Region | None) -> None:
+    def _show_selected(self, session: Session, region: Region | None, there: Region | None) -> None:
+        """The outline of a region where it is; its grips where it begins, if it is there."""
         height = ABOVE + _body_height(session)
         unit = session.editor.unit
-        surrounded = None if region is None else seen(region, unit)
+        surrounded = None if there is None else seen(there, unit)
         self._line("/edit/outline", surrounded, height, BRAND, 4.0)
-        shown = [] if region is None else grips(region, height, unit)
+        away = region is None or there is None or region.center != there.center
+        shown = [] if region is None or away else grips(region, height, unit)
         turned = region is not None and region.angle != 0
         planar = region is None or region.dimension == 2
         kinds = (unit, planar, turned, [grip.arrow for grip in shown])

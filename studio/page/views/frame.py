@@ -1,5 +1,7 @@
 """Depth cues in 3D: the edges of the workspace, and lines from regions to the ground."""
 
+from dataclasses import replace
+
 import numpy as np
 import viser
 
@@ -7,6 +9,7 @@ from scenes import Region, Scene, unit_of, workspace_of
 from scenes.starts import inner_point
 from studio.page.session import Session
 from studio.page.views.outlines import outline
+from studio.page.views.regions import shown_step
 from studio.page.views.solids import seen
 from studio.page.views.walls import Limits, hall, wall_of
 
@@ -25,14 +28,16 @@ class FrameView:
     def draw(self, session: Session) -> None:
         """Follow the regions."""
         scene = session.document.scene
-        current = scene.robot, scene.arena, scene.regions, scene.initial
+        step = shown_step(session) if scene.dimension == 3 else 0.0
+        current = scene.robot, scene.arena, scene.regions, scene.initial, step
         if current == self._drawn:
             return
         self._drawn = current
         with self._server.atomic():
             self._server.scene.remove_by_name("/frame")
             if scene.dimension == 3:
-                self._show(scene)
+                regions = tuple(region.displaced(step) for region in scene.regions)
+                self._show(replace(scene, regions=regions))
 
     def _show(self, scene: Scene) -> None:
         limits = workspace_of(scene).arena

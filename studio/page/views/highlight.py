@@ -6,7 +6,7 @@ import viser
 from scenes import Region, Scene
 from studio.page.session import Session
 from studio.page.views.outlines import outline
-from studio.page.views.regions import HEIGHT
+from studio.page.views.regions import HEIGHT, shown_step
 from studio.page.views.roles import roles
 from studio.page.views.solids import add_solid
 from studio.page.views.walls import Face, face_edges, wall_faces
@@ -23,14 +23,15 @@ class HighlightView:
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._server = server
-        self._drawn: tuple[Scene | None, tuple[str, ...]] = (None, ())
+        self._drawn: tuple[Scene | None, tuple[str, ...], float] = (None, (), 0.0)
 
     def draw(self, session: Session) -> None:
         """Redraw when other regions are highlighted."""
         scene, names = session.specification.scene, session.highlighted
-        if (scene, names) == self._drawn:
+        current = (scene, names, shown_step(session) if names else 0.0)
+        if current == self._drawn:
             return
-        self._drawn = (scene, names)
+        self._drawn = current
         with self._server.atomic():
             self._server.scene.remove_by_name("/highlight")
             faces = wall_faces(scene)
@@ -39,7 +40,8 @@ class HighlightView:
                 if region.name in names:
                     height = HEIGHT[found[region.name]] + LIFT
                     face = faces.get(region.name)
-                    self._outline(f"/highlight/region{index}", region, height, face)
+                    there = region.displaced(current[2])
+                    self._outline(f"/highlight/region{index}", there, height, face)
 
     def _outline(self, name: str, region: Region, height: float, face: Face | None) -> None:
         scene = self._server.scene

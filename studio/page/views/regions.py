@@ -1,17 +1,20 @@
-"""The regions by their roles, and the initial set; a click selects one, a drag moves it."""
+"""The regions by their roles, and the initial set; a click selects one, a drag moves it.
+
+Regions that move are where they are at the playhead; without a rollout, where they begin.
+"""
 
 from typing import NamedTuple
 
 import viser
 
-from scenes import Region, unit_of
+from scenes import Region, Scene, unit_of
 from scenes.starts import inner_point
 from studio.page.editing.editor import CLICKED, INITIAL, SELECT, Phase, Point
 from studio.page.session import Session
 from studio.page.views.floor import click_corner, drawing_drag
 from studio.page.views.pointer import on_level_drag
 from studio.page.views.roles import Role, roles
-from studio.page.views.solids import Solid, add_solid, place_solid, rgb, seen, top
+from studio.page.views.solids import Solid, add_solid, body_position, place_solid, rgb, seen, top
 from studio.page.views.walls import Face, add_face, wall_faces
 
 START = "#f6bd60"
@@ -57,21 +60,24 @@ class RegionsView:
         self._server = server
         self._shown: dict[str, Shown] = {}
         self._drawn: tuple | None = None
+        self._step = 0.0
         _light(self._scene)
 
     def draw(self, session: Session) -> None:
         """Show the edited scene, with roles from the last valid formula."""
         scene, decomposition = session.document.scene, session.specification.decomposition
+        step = shown_step(session)
         current = (session.document, scene, decomposition)
         if self._drawn is not None and all(a is b for a, b in zip(current, self._drawn)):  # noqa: B905
+            self._displace(scene, step)
             return
-        self._drawn = current
+        self._drawn, self._step = current, step
         found = roles(scene.region_names, decomposition)
         faces = wall_faces(scene)
         wanted = {
             f"/scene/region{index}": (
                 region_look(region, found[region.name])._replace(face=faces.get(region.name)),
-                region,
+                region.displaced(step),
             )
             for index, region in enumerate(scene.regions)
         }
@@ -82,6 +88,20 @@ class RegionsView:
                 self._shown.pop(node).body.remove()
             for node, (look, region) in wanted.items():
                 self._show(session, node, look, region)
+
+    def _displace(self, scene: Scene, step: float) -> None:
+        """Only move what moves: the shapes stay as they are."""
+        if step == self._step:
+            return
+        self._step = step
+        with self._server.atomic():
+            for index, region in enumerate(scene.regions):
+                node = f"/scene/region{index}"
+                shown = self._shown[node]
+                if region.motion is not None and shown.look.face is None:
+                    there = region.displaced(step)
+                    shown.body.position = body_position(there, shown.look.height)
+                    self._shown[node] = shown._replace(region=there)
 
     def _show(self, session: Session, node: str, look: Look, region: Region) -> None:
         shown = self._shown.get(node)
@@ -109,6 +129,16 @@ class RegionsView:
         )
         self._shown[node] = Shown(look, region, body, label)
         _listen(session, body, INITIAL if node.endswith("initial") else region.name)
+
+
+def shown_step(session: Session) -> float:
+    """The step at which regions are shown: that of the playhead, or the first.
+
+    Always the first where nothing moves.
+    """
+    player = session.player
+    still = player.recording is None or not session.document.scene.moving
+    return 0.0 if still else float(player.position)
 
 
 def region_look(region: Region, role: Role) -> Look:

@@ -21,7 +21,7 @@ def add_solid(  # noqa: PLR0913
     """Add a region's body; planar regions stand on the floor with the given height [m]."""
     solid = opacity >= 1
     looks: dict[str, Any] = {"opacity": None if solid else opacity, "cast_shadow": solid}
-    at = _position(region, height)
+    at = body_position(region, height)
     if region.kind == "sphere":
         return scene.add_icosphere(
             name, region.size[0], color, subdivisions=4, position=at, **looks
@@ -43,7 +43,7 @@ def add_solid(  # noqa: PLR0913
 
 def place_solid(body: Solid, region: Region, height: float) -> None:
     """Give a body its region's position, angle and size."""
-    body.position = _position(region, height)
+    body.position = body_position(region, height)
     if isinstance(body, viser.MeshHandle):
         body.vertices, body.faces = mesh_of(region, height)
         return
@@ -90,7 +90,8 @@ def rgb(color: str) -> Color:
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
 
 
-def _position(region: Region, height: float) -> np.ndarray:
+def body_position(region: Region, height: float) -> np.ndarray:
+    """Where the body of a region is [3]; planar ones stand on the floor with a height [m]."""
     return np.array([*region.center, height / 2] if region.dimension == 2 else region.center)
 
 
