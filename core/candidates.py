@@ -43,7 +43,7 @@ def ranked(problem: Problem, controller: Controller, key: Array, state: Array) -
         subgoals = problem.formula.subgoals.mask.shape[0]
         nothing = np.zeros((BLOCK, *problem.formula.low.shape), np.int32)
         return Ranking(nothing, np.zeros((BLOCK, subgoals), np.int32))
-    states = np.broadcast_to(np.asarray(state, np.float32), (BLOCK, *state.shape))
+    states = jnp.broadcast_to(jnp.asarray(state, jnp.float32), (BLOCK, *state.shape))
     schedules, orders = _draw(problem, key, states, search=controller.search)
     best_first = np.argsort(-np.asarray(_score(problem, controller, states, schedules)))
     return Ranking(np.asarray(schedules)[best_first], np.asarray(orders)[best_first])
@@ -51,7 +51,7 @@ def ranked(problem: Problem, controller: Controller, key: Array, state: Array) -
 
 def choose_schedules(
     problem: Problem, controller: Controller, key: Array, states: Array
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Array, Array]:
     """The controller's choice for each state [R, n]: schedules [R, V] and their scores [R].
 
     Of K candidates for each state, the one that scores highest. Zeros for a controller that
@@ -59,15 +59,16 @@ def choose_schedules(
     """
     count, search = states.shape[0], controller.search
     if search is None:
-        return np.zeros((count, *problem.formula.low.shape), np.int32), np.zeros(count, np.float32)
+        return jnp.zeros((count, *problem.formula.low.shape), jnp.int32), jnp.zeros(count)
     given = np.asarray(states, np.float32)
     pool = _drawn(problem, search, key, given)
     deal = np.random.default_rng(np.asarray(jax.random.key_data(key)))
     dealt = pool[deal.integers(len(pool), size=(count, search.candidates))]
-    scores = _scores(problem, controller, np.repeat(given, search.candidates, 0), dealt)
+    flat = dealt.reshape(-1, *dealt.shape[2:])
+    scores = _scores(problem, controller, np.repeat(given, search.candidates, 0), flat)
     scores = scores.reshape(count, -1)
     row, best = np.arange(count), scores.argmax(1)
-    return dealt[row, best], scores[row, best]
+    return jnp.asarray(dealt[row, best]), jnp.asarray(scores[row, best])
 
 
 def candidate_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]]:
@@ -87,7 +88,7 @@ def _drawn(problem: Problem, search: Search, key: Array, states: np.ndarray) -> 
     wanted = len(states) * max(1, search.candidates // SHARED)
     blocks = -(-wanted // BLOCK)
     size = blocks * BLOCK
-    rows = states[np.arange(size) * len(states) // size]
+    rows = jnp.asarray(states[np.arange(size) * len(states) // size])
     keys = jax.random.split(key, blocks)
     parts = [
         _draw(problem, keys[i], rows[i * BLOCK : (i + 1) * BLOCK], search=search)[0]
@@ -99,12 +100,12 @@ def _drawn(problem: Problem, search: Search, key: Array, states: np.ndarray) -> 
 def _scores(
     problem: Problem, controller: Controller, states: np.ndarray, schedules: np.ndarray
 ) -> np.ndarray:
-    """Scores [N] of schedules [..., V] from states [N, n]."""
+    """Scores [N] of schedules [N, V] from states [N, n]."""
     count = len(states)
     rows = np.arange(-(-count // BLOCK) * BLOCK) % count
-    states, flat = states[rows], schedules.reshape(count, -1)[rows]
+    given, flat = jnp.asarray(states[rows]), jnp.asarray(schedules[rows])
     parts = [
-        _score(problem, controller, states[i : i + BLOCK], flat[i : i + BLOCK])
+        _score(problem, controller, given[i : i + BLOCK], flat[i : i + BLOCK])
         for i in range(0, len(rows), BLOCK)
     ]
     return np.concatenate([np.asarray(part) for part in parts])[:count]

@@ -8,7 +8,7 @@ Dimensions: N schedules, V variables.
 
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -111,7 +111,7 @@ def _chances(key: Array, count: int, draws: int, variables: int) -> _Chances:
     return _Chances(first[..., :-1], first[..., -1], mending)
 
 
-def _integers(chance: Array, low: Array, high: Array) -> Array:
+def _integers(chance: Array, low: Any, high: Any) -> Array:
     """Integers from `low` to `high`, uniform where the chances between 0 and 1 are."""
     return jnp.minimum(low + jnp.floor(chance * (high - low + 1)).astype(jnp.int32), high)
 
