@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import shapely
 
 from core.planning.exact import Setting
 from core.planning.outline import Facets, Outline
@@ -11,6 +12,7 @@ from core.stl import quote_name
 from core.task.protocols import stride_of
 from envs import ENVS
 from scenes.distances import margin_of
+from scenes.polygons import counter_clockwise
 from scenes.regions import Region, SceneError
 from scenes.scene import Scene, robot_of
 
@@ -19,8 +21,8 @@ def setting_of(scene: Scene) -> Setting:
     """A scene for `plan_exactly`, from the centre of its initial set.
 
     Raises:
-        SceneError: a robot that does not move by bounded strides in the plane, or regions that
-            move.
+        SceneError: a robot that does not move by bounded strides in the plane, regions that move,
+            or something that has no outline.
     """
     stride = stride_of(robot_of(scene))
     if stride is None or scene.dimension != 2:
@@ -35,7 +37,13 @@ def setting_of(scene: Scene) -> Setting:
             f"exact plans are for regions that stand, but {names} "
             f"{'moves' if len(scene.moving) == 1 else 'move'}"
         )
+    if scene.predicates:
+        names = ", ".join(predicate.name for predicate in scene.predicates)
+        raise SceneError(f"exact plans know regions, no predicates of the state: {names}")
     regions = scene.regions
+    for region in regions:
+        if flaw := _without_outline(region):
+            raise SceneError(f"exact plans know circles, rectangles and convex polygons; {flaw}")
     return Setting(
         np.array(scene.initial.center, np.float32).astype(float),
         np.array(stride),
@@ -58,7 +66,7 @@ def outline_of(region: Region, directions: int) -> Outline:
     corners have half as many directions as a circle: they are near, where a centre is far.
 
     Args:
-        region: a circle or a rectangle.
+        region: a circle, a rectangle or a convex polygon.
         directions: a multiple of 8.
     """
     center = np.array(region.center)
@@ -69,11 +77,43 @@ def outline_of(region: Region, directions: int) -> Outline:
             Facets(normals, normals @ center + radius),
             Facets(stretched, stretched @ center + radius),
         )
-    half, corners = np.array(region.size), directions // 2
-    faces = _unit(_angles(4)).round()
-    cut = _unit(_angles(corners) + np.pi / corners) / np.cos(np.pi / corners)
-    normals = np.concatenate([faces, cut])
-    return Outline(_tangents(faces, center, half), _tangents(normals, center, half))
+    points, corners = _corners(region), directions // 2
+    edges = np.roll(points, -1, axis=0) - points
+    faces = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.linalg.norm(edges, axis=1)[:, None]
+    normals = np.concatenate([faces, _cuts(faces, 2 * np.pi / corners)])
+    return Outline(_tangents(faces, points), _tangents(normals, points))
+
+
+def _cuts(faces: np.ndarray, widest: float) -> np.ndarray:
+    """Normals [K, 2] around corners: from each face to the next, in arcs no wider than given.
+
+    Each is the middle of an arc, and so long that nowhere in the arc it falls short.
+    """
+    turn = np.arctan2(faces[:, 1], faces[:, 0])
+    cuts = []
+    for begin, width in zip(turn, np.mod(np.roll(turn, -1) - turn, 2 * np.pi), strict=True):
+        count = max(int(np.ceil(width / widest - 1e-9)), 1)
+        arc = width / count
+        cuts.append(_unit(begin + arc * (np.arange(count) + 0.5)) / np.cos(arc / 2))
+    return np.concatenate(cuts)
+
+
+def _without_outline(region: Region) -> str:
+    """Why a region has no outline; empty if it has one."""
+    if region.kind == "polygon":
+        hull = shapely.Polygon(region.points).convex_hull
+        convex = np.isclose(hull.area, shapely.Polygon(region.points).area, rtol=1e-9)
+        return "" if convex else f"{region.name} is not convex"
+    return "" if region.kind in ("circle", "rectangle") else f"{region.name} is a {region.kind}"
+
+
+def _corners(region: Region) -> np.ndarray:
+    """Corners [N, 2] of a rectangle or a polygon, counter-clockwise."""
+    if region.kind == "polygon":
+        return counter_clockwise(region.points)
+    (cosine, sine), (a, b) = region.turn, region.size
+    flat = np.array([(-a, -b), (a, -b), (a, b), (-a, b)])
+    return np.array(region.center) + flat @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 def _angles(count: int) -> np.ndarray:
@@ -84,6 +124,6 @@ def _unit(angles: np.ndarray) -> np.ndarray:
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
-def _tangents(normals: np.ndarray, center: np.ndarray, half: np.ndarray) -> Facets:
-    """Facets that a rectangle touches."""
-    return Facets(normals, normals @ center + np.abs(normals) @ half)
+def _tangents(normals: np.ndarray, corners: np.ndarray) -> Facets:
+    """Facets that the polygon between corners touches."""
+    return Facets(normals, (normals @ corners.T).max(axis=1))

@@ -32,6 +32,7 @@ from core.planning.program import Program
 from core.planning.reach import Boxes, certain, reachable
 from core.planning.trace import Trace
 from core.planning.values import Values
+from core.planning.watch import Watch
 from core.stl import (
     Atom,
     Constant,
@@ -103,15 +104,18 @@ class ExactPlan:
     seconds: float
 
 
-def plan_exactly(formula: Formula, setting: Setting, *, seconds: float = 60.0) -> ExactPlan:
+def plan_exactly(
+    formula: Formula, setting: Setting, *, seconds: float = 60.0, watch: Watch | None = None
+) -> ExactPlan:
     """The most robust trace that is found within a time, and a bound for all others.
 
     Args:
         formula: any formula over regions that have outlines.
         setting: robot and regions.
         seconds: of search, at most; the programs are put together besides.
+        watch: told what is known, and asked whether to stop.
     """
-    return _Search(formula, setting, seconds).run()
+    return _Search(formula, setting, seconds, watch or Watch()).run()
 
 
 class _Found(NamedTuple):
@@ -130,9 +134,9 @@ class _Solved(NamedTuple):
 class _Search:
     """One search; `run` is called once."""
 
-    def __init__(self, formula: Formula, setting: Setting, seconds: float):
+    def __init__(self, formula: Formula, setting: Setting, seconds: float, watch: Watch):
         self.formula = simplify(negation_normal_form(fold_constants(formula)))
-        self.setting, self.seconds = setting, seconds
+        self.setting, self.seconds, self.watch = setting, seconds, watch
         self.found, self.bound = NOTHING, np.inf
         self.began = time.perf_counter()
         self.steps = -(-horizon(self.formula) // HOLD) * HOLD or HOLD
@@ -144,6 +148,7 @@ class _Search:
         first = self.setting.outlines(DIRECTIONS[0])
         outer = {name: outline.outer for name, outline in first.items()}
         self.bound = self._ceiling(outer, -SLACK)
+        self.watch.bound = self.bound
         if self.bound >= -SLACK:
             inner = {name: outline.inner for name, outline in first.items()}
             self._sketch(inner)
@@ -175,7 +180,7 @@ class _Search:
             least = self._least()
             solved = self._solved(sides, 1, least, self.seconds - self._spent(), first=first)
             known = least if self.found.robustness >= 0 else -np.inf
-            self.bound = min(self.bound, max(solved.bound, known))
+            self.bound = self.watch.bound = min(self.bound, max(solved.bound, known))
             self._keep(solved)
 
     def _solved(
@@ -194,7 +199,8 @@ class _Search:
         trace = Trace(program, boxes, self.setting.start, self.setting.stride, hold)
         robustness = program.column(least, self.bound)
         Encoder(program, trace, robustness, sides).require(self.formula, self.certain)
-        solution = program.maximise(robustness, seconds, first=first)
+        stop = self.watch.stop
+        solution = program.maximise(robustness, seconds, first=first, stop=stop)
         if solution.values is None:
             return _Solved(None, solution.bound)
         return _Solved(trace.positions(solution.values), solution.bound)
@@ -204,6 +210,7 @@ class _Search:
         if solved.positions is not None:
             other = self._polished(solved.positions)
             self.found = max(self.found, other, key=lambda each: each.robustness)
+            self.watch.robustness = self.found.robustness
 
     def _ceiling(self, sides: Mapping[str, Sides], least: float) -> float:
         boxes = self._boxes(sides, least)
@@ -223,6 +230,22 @@ class _Search:
         inner = {name: outline.inner for name, outline in fine.items()}
         return _Found(*polish(positions, self._judged, self.setting.stride, inner))
 
+    def _resting(self, found: _Found) -> _Found:
+        """The same trace, but at rest from a step after which nothing depends on it."""
+        positions = found.positions
+        if positions is None or isinstance(self.formula, Constant):
+            return found
+        low, high = 0, len(positions) - 1
+        while low < high:
+            middle = (low + high) // 2
+            rested = positions.copy()
+            rested[middle:] = rested[middle]
+            if self._judged(rested)[0] >= found.robustness:
+                positions, high = rested, middle
+            else:
+                low = middle + 1
+        return found._replace(positions=positions)
+
     def _judged(self, positions: np.ndarray):
         """Exact robustness of positions [T + 1, d], and the literals that decide it."""
         margins = self.setting.margins(positions)
@@ -239,7 +262,8 @@ class _Search:
         return values.of(self.formula, 0), list(values.supports(self.formula, 0))
 
     def _spent(self) -> float:
-        return time.perf_counter() - self.began
+        """Seconds since the search began; all there are, once it is told to stop."""
+        return np.inf if self.watch.stop.is_set() else time.perf_counter() - self.began
 
     def _constant(self, value: bool) -> ExactPlan:
         self.bound = np.inf if value else -np.inf
@@ -257,4 +281,5 @@ class _Search:
             status, found = "unknown", NOTHING
         elif bound <= self._least():
             status = "optimal"
-        return ExactPlan(status, *found, bound, self._spent())
+        found = self._resting(found)
+        return ExactPlan(status, *found, bound, time.perf_counter() - self.began)

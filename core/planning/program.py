@@ -8,14 +8,28 @@ import math
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import highspy
 import numpy as np
 
 INFINITY = math.inf
 
-STOPPED = (highspy.HighsModelStatus.kTimeLimit, highspy.HighsModelStatus.kSolutionLimit)
+STOPPED = (
+    highspy.HighsModelStatus.kTimeLimit,
+    highspy.HighsModelStatus.kSolutionLimit,
+    highspy.HighsModelStatus.kInterrupt,
+)
 """Ends of a search whose solution and bound count although it was not brought to its end."""
+
+
+INTERRUPTS = (
+    highspy.cb.HighsCallbackType.kCallbackMipInterrupt,
+    highspy.cb.HighsCallbackType.kCallbackSimplexInterrupt,
+)
+
+_Callbacks = highspy.Highs.__mro__[1]
+"""The binding of HiGHS's own callbacks, below those of its Python package."""
 
 
 class _Solver(highspy.Highs):
@@ -23,6 +37,18 @@ class _Solver(highspy.Highs):
 
     def enableCallbacks(self) -> None:  # noqa: N802
         """Set up none."""
+
+    def heed(self, stop: threading.Event) -> None:
+        """Break off soon after an event is set."""
+
+        def asked(kind: object, message: str, known: object, answer: Any, data: object) -> None:
+            del kind, message, known, data
+            if answer is not None and stop.is_set():
+                answer.user_interrupt = True
+
+        _Callbacks.setCallback(self, asked, None)
+        for kind in INTERRUPTS:
+            _Callbacks.startCallback(self, kind)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +88,21 @@ class Program:
         self.starts.append(len(self.indices))
         self.rows.append((low, high))
 
-    def maximise(self, column: int, seconds: float, *, first: bool = False) -> Solution:
+    def maximise(
+        self,
+        column: int,
+        seconds: float,
+        *,
+        first: bool = False,
+        stop: threading.Event | None = None,
+    ) -> Solution:
         """Maximise a column on one thread.
 
         Args:
             column: what is maximised.
             seconds: of search, at most.
             first: whether to stop at the first solution.
+            stop: ends the search once it is set.
         """
         solver = _Solver()
         solver.setOptionValue("output_flag", False)
@@ -76,6 +110,8 @@ class Program:
         solver.setOptionValue("time_limit", max(seconds, 0.01))
         if first:
             solver.setOptionValue("mip_max_improving_sols", 1)
+        if stop is not None:
+            solver.heed(stop)
         solver.passModel(self._model(column))
         _run(solver)
         return _solution(solver)

@@ -30,6 +30,8 @@ COMMANDS = (
     Command("Draw a circle or sphere", "C", None, lambda session: session.editor.take_tool(2)),
     Command("Duplicate the region", "D", None, lambda session: session.editor.duplicate()),
     Command("Delete the region", "delete", None, lambda session: session.editor.delete()),
+    Command("Join with another region", "J", None, lambda session: session.editor.join()),
+    Command("Take the region apart", None, None, lambda session: session.editor.take_apart()),
     Command("Cancel", "escape", None, lambda session: session.editor.cancel()),
 )
 

@@ -21,6 +21,7 @@ from studio.page.editing.editor import Editor
 from studio.page.editing.judge import Judge
 from studio.page.editing.meaning import differences, stale_text
 from studio.page.editing.specification import Specification, specify
+from studio.page.exact import ExactPlanner, offered
 from studio.page.memory import give_back
 from studio.page.planner import Planner
 from studio.page.playing.gallery import Gallery
@@ -28,7 +29,7 @@ from studio.page.playing.hand import Hand
 from studio.page.playing.player import Player
 from studio.page.policies import adopt, policy_of
 from studio.page.relay import Relay
-from studio.page.settings import Settings, prolonged
+from studio.page.settings import EXACT, Settings, prolonged
 from studio.page.trainer import Trainer, Training
 from studio.runs.bundle import Policy
 
@@ -47,7 +48,7 @@ class Session:
         self.document = Document(self.specification.scene)
         self.editor = Editor(self.document)
         self.trainer, self.analyst, self.player = Trainer(), Analyst(), Player()
-        self.planner = Planner()
+        self.planner, self.exact = Planner(), ExactPlanner()
         self.settings = Settings()
         self.queued: Specification | None = None
         """Trained on when the current training has ended."""
@@ -146,6 +147,9 @@ class Session:
         self.planner.observe(self.specification)
         subject = self.subject
         stale = "" if subject is not self.training else stale_text(self.stale_reasons)
+        exact = self.exact.news()
+        if exact is not None and not differences(exact.scene, self.document.scene):
+            self.player.load(exact.recording)
         idle = not self.analyst.busy  # asked before answers are handed on: none is missed
         self.relay.pass_on(subject, stale)
         self.hand.tick(idle)
@@ -177,6 +181,7 @@ class Session:
         """Open another scene; `saved` says whether it is stored in a file."""
         specification = specify(scene)
         self.trainer.forget()
+        self.exact.forget()
         self.analyst.forget()
         self.gallery.clear()
         self.player.load(None)
@@ -208,15 +213,23 @@ class Session:
         self.document.redo()
         self.editor.check_selection()
 
+    @property
+    def exactly(self) -> bool:
+        """Whether the button searches for an exact plan instead of training."""
+        return self.settings.method == EXACT and offered(self.document.scene)
+
     def train(self) -> None:
-        """Train on the formula in the editor, if valid: now, or after the running training."""
+        """Train on the formula, if valid, now or after the running training; or plan exactly."""
         self._take_draft()
         self._judge()
         self.judge.finish()
         specification = self.specification
         if specification.error or specification.task is None:
             raise UserError("Correct the formula before training.")
-        if self.training.busy:
+        if self.exactly:
+            start, limit = self.analyst.start, self.settings.time_limit
+            self.exact.start(specification.task, specification.scene, start, limit)
+        elif self.training.busy:
             self.queued = specification
         else:
             self._start(specification)
@@ -242,7 +255,8 @@ class Session:
 
     def close(self) -> bool:
         """End the threads; whether all have ended."""
-        return all([self.trainer.close(), self.analyst.close(), self.judge.close()])
+        threads = (self.trainer, self.exact, self.analyst, self.judge)
+        return all([each.close() for each in threads])
 
     def _start(self, specification: Specification) -> None:
         assert specification.task is not None

@@ -9,6 +9,8 @@ from scenes import Scene, robot_of
 
 MODES = ("studio", "paper")
 METHOD_NAMES = tuple(METHODS)
+EXACT = "exact"
+"""Chosen like a method; nothing is trained, see `studio.page.exact`."""
 LARGEST_SEED = 2**31 - 1
 FOREVER = 10**6
 """More epochs than a training can reach within any time limit of the page."""
@@ -31,7 +33,7 @@ class Settings:
         """The configuration, with those choices that differ from the defaults."""
         if self.seed is not None:
             config = replace(config, seed=self.seed)
-        if (self.mode, self.method) != (MODES[0], METHOD_NAMES[0]):
+        if (self.mode, self.method) != (MODES[0], METHOD_NAMES[0]) and self.method != EXACT:
             algorithm = METHODS[self.method].preset(self.mode, robot_of(scene))
             config = replace(config, algorithm=algorithm, method=self.method)
         return config
@@ -43,7 +45,7 @@ class Settings:
 
     def choose(self, mode: str, method: str) -> None:
         """Take mode and method from controls; what is not offered is ignored."""
-        if mode in MODES and method in METHOD_NAMES:
+        if mode in MODES and method in (*METHOD_NAMES, EXACT):
             self.mode, self.method = mode, method
 
 

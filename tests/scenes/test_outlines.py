@@ -11,7 +11,7 @@ from core.planning.exact import plan_exactly
 from core.stl import parse, robustness
 from core.task.protocols import stride_of
 from envs import ENVS, Linear
-from scenes import SceneError, load_task, scene_formula
+from scenes import Predicate, Region, SceneError, load_task, scene_formula
 from scenes.outlines import margins_of, setting_of
 from tests.scenes.oracle import rtamt_robustness
 
@@ -29,6 +29,25 @@ def test_other_robots_are_refused():
     with pytest.raises(SceneError, match=r"not for 'unicycle'\. Allowed: linear$"):
         setting_of(load_task("unicycle-demo"))
     assert [name for name, robot in ENVS.items() if stride_of(robot)] == ["linear"]
+
+
+@pytest.mark.parametrize(
+    ("region", "why"),
+    [
+        (Region("A1", "polygon", points=((0, 0), (2, 0), (1.2, 1), (2, 2))), "A1 is not convex"),
+        (Region("A1", "union", parts=(Region("a", "circle", (0, 0), (1,)),)), "A1 is a union"),
+    ],
+)
+def test_shapes_without_an_outline_are_refused(region, why):
+    scene = load_task("linear-demo")
+    with pytest.raises(SceneError, match=f"circles, rectangles and convex polygons; {why}$"):
+        setting_of(replace(scene, regions=(region, *scene.regions[1:])))
+
+
+def test_predicates_of_the_state_are_refused():
+    scene = replace(load_task("linear-demo"), predicates=(Predicate("west", "x <= 1"),))
+    with pytest.raises(SceneError, match="no predicates of the state: west$"):
+        setting_of(scene)
 
 
 def test_a_plan_of_a_shipped_scene_is_as_robust_as_others_say():

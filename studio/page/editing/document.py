@@ -7,6 +7,7 @@ thread edits, others read `scene`, which is replaced and never mutated.
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from core.errors import UserError, allowed
 from core.task.grounding import MAX_ATOMS
@@ -16,8 +17,9 @@ from scenes.arena import Arena
 from scenes.checks import LONGEST_NAME
 from scenes.motion import Motion
 from studio.page.editing.history import History
+from studio.page.editing.joining import apart, joined
 from studio.page.editing.meaning import differences
-from studio.page.editing.renaming import rename_in_formula
+from studio.page.editing.renaming import rename_in_formula, spread_in_formula
 
 SHIFT = 0.4
 """Offset of a duplicate from its original along x and y, in units of the scene."""
@@ -114,7 +116,7 @@ class Document:
     def duplicate(self, name: str) -> str:
         """Add a copy of a region, slightly offset; returns its name."""
         region, shift = self.region(name), SHIFT * unit_of(self.scene)
-        copy = free_name(re.sub(r"[0-9]+\Z", "", name) or name, self.scene.atom_names)
+        copy = free_name(_stem(name), self.scene.atom_names)
         x, y, *rest = region.center
         moved = replace(region, name=copy).at((x + shift, y - shift, *rest))
         return self._add(f"duplicate {name}", moved)
@@ -177,17 +179,39 @@ class Document:
             other = "another region" if new in self.scene.region_names else "a predicate"
             raise EditError(f"name: {new!r} is already the name of {other}")
         renamed = replace(region, name=new)
-        formula = rename_in_formula(
-            self.scene.formula,
-            name,
-            new,
-            names=names,
-            dt=ENVS[self.scene.robot].dt,
-            horizon=self.scene.horizon,
-        )
+        formula = rename_in_formula(self.scene.formula, name, new, **self._reading)
         regions = tuple(renamed if each is region else each for each in self.scene.regions)
         scene = replace(self.scene, formula=formula, regions=regions)
         self._record(f"rename {name} to {new}", scene)
+
+    def join(self, name: str, other: str) -> None:
+        """Make another region part of a region; the formula names the one instead of the other."""
+        union = joined(self.region(name), self.region(other))
+        formula = rename_in_formula(self.scene.formula, other, name, **self._reading)
+        regions = tuple(
+            union if each.name == name else each
+            for each in self.scene.regions
+            if each.name != other
+        )
+        scene = replace(self.scene, formula=formula, regions=regions)
+        self._record(f"join {name} with {other}", scene)
+
+    def take_apart(self, name: str) -> None:
+        """Make every part a region; the formula names any of them where it named the whole."""
+        union, taken = self.region(name), list(self.scene.atom_names)
+        if not union.parts:
+            raise EditError(f"{name} has no parts to take it apart into")
+        if len(taken) + len(union.parts) - 1 > MAX_ATOMS:
+            raise EditError(f"a scene has at most {MAX_ATOMS} regions; delete one first")
+        names = [name]
+        for _ in union.parts[1:]:
+            names.append(free_name(_stem(name), taken))
+            taken.append(names[-1])
+        pieces = apart(union, tuple(names))
+        formula = spread_in_formula(self.scene.formula, name, names, **self._reading)
+        at = self.scene.regions.index(union)
+        regions = (*self.scene.regions[:at], *pieces, *self.scene.regions[at + 1 :])
+        self._record(f"take {name} apart", replace(self.scene, formula=formula, regions=regions))
 
     def delete(self, name: str) -> None:
         """Remove a region; a formula that names it stays and becomes invalid."""
@@ -247,6 +271,13 @@ class Document:
         """Change the line that describes the scene."""
         self._record("change the title", replace(self.scene, title=title), gesture)
 
+    @property
+    def _reading(self) -> dict[str, Any]:
+        """How the scene's formula is read."""
+        scene = self.scene
+        names, dt = scene.atom_names, ENVS[scene.robot].dt
+        return {"names": names, "dt": dt, "horizon": scene.horizon}
+
     def _add(self, label: str, region: Region) -> str:
         if len(self.scene.regions) >= MAX_ATOMS:
             raise EditError(f"a scene has at most {MAX_ATOMS} regions; delete one first")
@@ -261,6 +292,11 @@ class Document:
     def _record(self, label: str, scene: Scene, gesture: str | None = None) -> None:
         # The label separates two regions that are dragged in what the client calls one gesture.
         self._history.record(label, scene, gesture and f"{label} {gesture}")
+
+
+def _stem(name: str) -> str:
+    """A name without the number at its end."""
+    return re.sub(r"[0-9]+\Z", "", name) or name
 
 
 def free_name(prefix: str, taken: Sequence[str]) -> str:

@@ -8,17 +8,17 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from scenes import Region, unit_of, workspace_of
+from scenes import Region, workspace_of
 from scenes.polygons import MOST_CORNERS
+from studio.page.editing.corners import with_new_corner
 from studio.page.editing.document import Document
+from studio.page.editing.selection import Selection
 from studio.page.editing.shapes import cornered, drawn, reshaped, snap
+from studio.page.editing.turning import rotated, turn_between, turn_handle, turned
 
 Phase = Literal["start", "update", "end"]
-Action = Literal["move", "resize"]
+Action = Literal["move", "resize", "turn", "change"]
 Point = tuple[float, ...]
-
-INITIAL = ""
-"""Selects the initial set; no region has this name."""
 
 SELECT = "select"
 TOOLS = {
@@ -39,36 +39,34 @@ STEP = 0.25
 
 @dataclass(frozen=True)
 class Grab:
-    """A region as it was when the pointer grabbed it."""
+    """A region, or a part of it, as it was when the pointer grabbed it."""
 
     target: str
     region: Region
     start: Point
     action: Action
     gesture: str
+    part: int | None = None
+    edge: int | None = None
+    """On which a new corner is added."""
 
 
-class Editor:
-    """Shared by all clients, like the document."""
+class Editor(Selection):
+    """The selection with tools and drags."""
 
     def __init__(self, document: Document) -> None:
-        self.selection: str | None = None
-        """A region's name, `INITIAL`, or None."""
+        super().__init__(document)
         self.tool = SELECT
         self.preview: Region | None = None
         """The region being drawn."""
         self.corners: tuple[tuple[float, float], ...] = ()
         """Of the polygon being drawn."""
-        self._document = document
         self._share = STEP
         self._grab: Grab | None = None
         self._drags = 0
+        self._turned = 0.0
+        """By how much the grabbed region is turned so far [degrees]."""
         self._cancelled = False
-
-    @property
-    def unit(self) -> float:
-        """Length that is one unit in the arena [m]."""
-        return unit_of(self._document.scene)
 
     @property
     def step(self) -> float:
@@ -85,20 +83,25 @@ class Editor:
         return self._grab is not None
 
     @property
-    def selected(self) -> Region | None:
-        """The region or initial set that is selected."""
-        return None if self.selection is None else self._region(self.selection)
+    def adding(self) -> int | None:
+        """Edge of the grabbed polygon on which a new corner follows the pointer."""
+        return None if self._grab is None else self._grab.edge
 
-    def select(self, target: str | None) -> None:
-        """Select a region by name, the initial set, or nothing."""
-        self.selection = target
-        self.check_selection()
+    @property
+    def grabbed(self) -> Region | None:
+        """What follows the pointer, as it was before."""
+        return None if self._grab is None else self._grab.region
 
-    def check_selection(self) -> None:
-        """Deselect a region that no longer exists."""
-        names = (INITIAL, *self._document.scene.region_names)
-        if self.selection not in names:
-            self.selection = None
+    @property
+    def turn_handle(self) -> Point | None:
+        """Where the selected shape is taken to turn it; it follows the pointer round."""
+        grab, region = self._grab, self.selected
+        if region is None:
+            return None
+        if grab is None or grab.action != "turn":
+            return turn_handle(region, self.unit)
+        handle = turn_handle(grab.region, self.unit)
+        return None if handle is None else rotated(handle, self._turned, grab.region.center)
 
     def take(self, tool: str) -> None:
         """Switch to another tool."""
@@ -115,34 +118,17 @@ class Editor:
         half = self.unit / 2
         if kind in CLICKED:
             corners = ((x - half, y - half), (x + half, y - half), (x, y + half))
-            self.selection = self._document.add_shape(cornered(kind, corners, self.unit))
+            self.select(self._document.add_shape(cornered(kind, corners, self.unit)))
             return
         start = (x - half, y - half) if kind in ("rectangle", "box") else (x, y)
         outline = drawn(kind, start, (x + half, y + half), unit=self.unit)
         assert outline is not None
-        self.selection = self._document.add(kind, *outline)
-
-    def duplicate(self) -> None:
-        """Copy the selected region; there is only one initial set."""
-        if self.selection:
-            self.selection = self._document.duplicate(self.selection)
-
-    def delete(self) -> None:
-        """Remove the selected region; the initial set stays."""
-        if self.selection:
-            self._document.delete(self.selection)
-            self.selection = None
-
-    def make_initial(self) -> None:
-        """Give the initial set the shape and position of the selected region, which stays."""
-        region = self.selected
-        if self.selection and region is not None:
-            self._document.put(INITIAL, region, "change")
+        self.select(self._document.add(kind, *outline))
 
     def cancel(self) -> None:
         """Revert the current drag; without one, put the tool away, then deselect."""
         if self._grab is not None:
-            self._put(self._grab, self._grab.region)
+            self._change(self._grab, self._grab.region)
             self._grab, self._cancelled = None, True
         elif self.preview is not None:
             self.preview, self._cancelled = None, True
@@ -150,8 +136,10 @@ class Editor:
             self.corners = self.corners[:-1]
         elif self.tool != SELECT:
             self.tool = SELECT
+        elif self.joining or self.vertex is not None:
+            self.joining, self.vertex = False, None
         else:
-            self.selection = None
+            self.select(self.selection if self.part is not None else None)
 
     def draw(self, phase: Phase, start: Point, end: Point) -> None:
         """Draw a region of the tool's kind on the floor; a rectangle or box without a tool."""
@@ -169,7 +157,7 @@ class Editor:
         if phase == "end":
             self.preview = None
             if outline is not None:
-                self.selection = self._document.add(kind, *outline)
+                self.select(self._document.add(kind, *outline))
                 self.tool = SELECT
 
     def corner(self, point: Point) -> None:
@@ -196,7 +184,7 @@ class Editor:
         """
         if self.tool in CLICKED:
             region = cornered(self.tool, self.corners, self.unit)
-            self.selection = self._document.add_shape(region)
+            self.select(self._document.add_shape(region))
             self.take(SELECT)
 
     def move(self, target: str, phase: Phase, start: Point, end: Point) -> None:
@@ -209,26 +197,51 @@ class Editor:
         goal = tuple(c + b for c, b in zip(center, by, strict=False))
         # An axis along which the pointer stayed keeps its value, on the grid or not.
         snapped = zip(snap(goal, self.step), center, by, strict=False)
-        self._put(grab, grab.region.at([s if abs(b) > 1e-9 else c for s, c, b in snapped]))
+        self._change(grab, grab.region.at([s if abs(b) > 1e-9 else c for s, c, b in snapped]))
 
     def resize(self, handle: int, phase: Phase, point: Point) -> None:
-        """Drag a handle of the selected region."""
-        if self.selection is None:
-            return
-        grab = self._grabbed(self.selection, phase, point, "resize")
+        """Drag a handle of what is selected."""
+        grab = self._taken(phase, point, "resize")
         if grab is not None:
             point = point[: grab.region.dimension]
-            self._put(grab, reshaped(grab.region, handle, point, self.step, self.unit))
+            self._change(grab, reshaped(grab.region, handle, point, self.step, self.unit))
 
-    def _grabbed(self, target: str, phase: Phase, start: Point, action: Action) -> Grab | None:
+    def add_corner(self, edge: int, phase: Phase, point: Point) -> None:
+        """Drag a new corner out of the middle of an edge of the selected polygon or prism."""
+        grab = self._taken(phase, point, "change", edge)
+        if grab is not None:
+            x, y = snap(point[:2], self.step)
+            self._change(grab, with_new_corner(grab.region, edge, (x, y)))
+
+    def turn(self, phase: Phase, point: Point, *, fine: bool = False) -> None:
+        """Drag what is selected round its centre, in steps of five degrees unless `fine`."""
+        grab = self._taken(phase, point, "turn")
+        if grab is not None:
+            self._turned = turn_between(grab.region, grab.start, point, fine=fine)
+            self._change(grab, turned(grab.region, self._turned, grab.region.center))
+
+    def _taken(
+        self, phase: Phase, point: Point, action: Action, edge: int | None = None
+    ) -> Grab | None:
+        """What is selected, held by one of its handles."""
+        if self.selection is None:
+            return None
+        return self._grabbed(self.selection, phase, point, action, edge)
+
+    def _grabbed(  # noqa: PLR0913
+        self, target: str, phase: Phase, start: Point, action: Action, edge: int | None = None
+    ) -> Grab | None:
         """What the pointer holds; None for the rest of a cancelled drag."""
         if self._skip(phase):
             return None
         if phase == "start":
-            self.select(target)
+            if target != self.selection:
+                self.select(target)
+            self.joining, self.vertex = False, None
             if self.selected is not None:
-                self._drags += 1
-                self._grab = Grab(target, self.selected, start, action, f"drag {self._drags}")
+                self._drags, self._turned = self._drags + 1, 0.0
+                gesture = f"drag {self._drags}"
+                self._grab = Grab(target, self.selected, start, action, gesture, self.part, edge)
         grab = self._grab
         if phase == "end":
             self._grab = None
@@ -239,11 +252,5 @@ class Editor:
             self._cancelled = False
         return self._cancelled
 
-    def _put(self, grab: Grab, region: Region) -> None:
-        self._document.put(grab.target, region, grab.action, grab.gesture)
-
-    def _region(self, target: str) -> Region | None:
-        scene = self._document.scene
-        if target == INITIAL:
-            return scene.initial
-        return next((region for region in scene.regions if region.name == target), None)
+    def _change(self, grab: Grab, region: Region) -> None:
+        self.put_at(grab.target, grab.part, region, grab.action, grab.gesture)

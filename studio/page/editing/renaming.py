@@ -1,4 +1,4 @@
-"""Renaming a region in the text of a formula; the rest of the text stays as typed."""
+"""Other names for a region in the text of a formula; the rest of the text stays as typed."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -56,6 +56,43 @@ def rename_in_formula(
         if _means(candidate, wanted, names=after, dt=dt, horizon=horizon):
             return candidate
     return to_text(wanted)
+
+
+def spread_in_formula(
+    text: str,
+    old: str,
+    parts: Sequence[str],
+    *,
+    names: Sequence[str],
+    dt: float | None,
+    horizon: int | None = None,
+) -> str:
+    """Write `(A | A2)` wherever a formula refers to the region A that was taken apart.
+
+    A text that is no formula stays as it is.
+
+    Args:
+        text: the formula as typed.
+        old: a name of `names`.
+        parts: names of the regions that it has become; the first may be the old name.
+        names: names of all regions before the change.
+        dt: duration of a step [s].
+        horizon: of the scene [steps].
+    """
+    try:
+        formula = parse(text, dt=dt, names=names, horizon=horizon)
+    except FormulaError:
+        return text
+    spans = {node.span for node in walk(formula) if node == Atom(old) and node.span is not None}
+    after = (*(name for name in names if name != old), *parts)
+    spelled = f"({' | '.join(map(quote_name, parts))})"
+    for candidate in (_replaced(text, spans, spelled), _replaced(text, spans, f" {spelled} ")):
+        try:
+            parse(candidate, dt=dt, names=after, horizon=horizon)
+        except FormulaError:
+            continue
+        return candidate
+    return text
 
 
 def _renamed(formula: Formula, old: str, new: str) -> Formula:

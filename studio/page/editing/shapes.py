@@ -11,7 +11,7 @@ from itertools import product
 from typing import NamedTuple
 
 from scenes import Region
-from scenes.polygons import flaw
+from studio.page.editing.corners import corners_of, with_corner
 
 SMALLEST = 0.05
 """Smallest half extent or radius that the pointer can give a region, in units."""
@@ -84,15 +84,16 @@ def cornered(kind: str, corners: Sequence[tuple[float, float]], unit: float) -> 
 def handles(region: Region) -> tuple[Position, ...]:
     """Points by which the region can be changed.
 
-    Corners of a rectangle or polygon; in all other cases points on the axes, low and high on x,
-    then on y, then on z: of a circle or sphere, the middles of a box's faces and of those around a
-    prism, a cylinder's rim and its ends. A point and a union have none.
+    Corners of a rectangle, polygon or prism, after which come the middles of the prism's ends; in
+    all other cases points on the axes, low and high on x, then on y, then on z: of a circle or
+    sphere, the middles of a box's faces, a cylinder's rim and its ends. A point and a union have
+    none.
     """
     center, size = region.center, region.size
     if region.kind in ("point", "union"):
         return ()
-    if region.kind == "polygon":
-        return region.points
+    if region.points:
+        return (*corners_of(region), *((*center[:2], level) for level in region.z))
     if region.angle:
         flat = handles(replace(region, angle=0.0))
         return tuple(_turned(region, point, 1) for point in flat)
@@ -102,9 +103,14 @@ def handles(region: Region) -> tuple[Position, ...]:
     return _axis_points(center, half_extents(region))
 
 
-def axis_of(handle: int) -> int:
-    """Axis along which a handle of a region in space is dragged: 0, 1 or 2."""
-    return handle // 2
+def axis_of(region: Region, handle: int) -> int | None:
+    """Axis along which a handle is dragged: 0, 1 or 2; None for one that is dragged on a level."""
+    if region.dimension == 2 or handle < len(region.points):
+        return None
+    if region.points:
+        return 2
+    axis = handle // 2
+    return None if region.angle and axis < 2 else axis
 
 
 def reshaped(
@@ -112,10 +118,11 @@ def reshaped(
 ) -> Region:
     """The region after one of its `handles` was dragged to a position; see `resized`.
 
-    A corner of a polygon goes where the pointer is, unless the polygon would cross itself.
+    A corner of a polygon or prism goes where the pointer is, unless the edges would cross.
     """
-    if region.kind == "polygon":
-        return _with_corner(region, handle, snap(position[:2], step))
+    if handle < len(region.points):
+        x, y = snap(position[:2], step)
+        return with_corner(region, handle, (x, y))
     if region.angle:
         flat = replace(region, angle=0.0)
         outline = resized(flat, handle, _turned(region, position, -1), step, unit)
@@ -148,7 +155,7 @@ def resized(
         axes = zip(center, size, grabbed, position, strict=True)
         spans = [_span(*axis, smallest) for axis in axes]
         return Outline(tuple(span[0] for span in spans), tuple(span[1] for span in spans))
-    axis = axis_of(handle)
+    axis = 2 if region.points else handle // 2
     if region.kind in ("box", "prism") or (region.kind == "cylinder" and axis == 2):
         entry = 1 if region.kind == "cylinder" else axis
         middle, half = _span(center[axis], size[entry], grabbed[axis], position[axis], smallest)
@@ -161,12 +168,6 @@ def resized(
 def half_extents(region: Region) -> Position:
     """Half extents along the axes [d]."""
     return tuple(float(half) for half in region.half_extents)
-
-
-def _with_corner(region: Region, index: int, corner: Position) -> Region:
-    moved = (corner[0], corner[1])
-    points = (*region.points[:index], moved, *region.points[index + 1 :])
-    return region if flaw(points) else Region(region.name, region.kind, points=points)
 
 
 def _turned(region: Region, point: Position, sense: int) -> Position:

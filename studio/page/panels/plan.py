@@ -1,6 +1,7 @@
 """What the robot's weights have to say of the scene, and the plans of other kinds to choose."""
 
 from core.decompose import Kind
+from studio.page.panels.exact import shown_html
 from studio.page.panels.html import note
 from studio.page.session import Session
 from studio.runs.recording import Recording
@@ -8,9 +9,9 @@ from studio.runs.recording import Recording
 
 def plan_html(session: Session) -> str:
     """A sentence on the plan that is shown without training; empty where there is none."""
-    moved = moved_html(session)
-    if moved:
-        return moved
+    other = moved_html(session) or shown_html(session)
+    if other:
+        return other
     planned, found = session.planner.training, session.analyst.answer
     if planned is None or session.subject is not planned:
         return ""

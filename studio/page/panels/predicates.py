@@ -24,13 +24,14 @@ class PredicateFields:
 
     def __init__(self, gui: viser.GuiApi, session: Session) -> None:
         self._shown = predicates_text(session.document.scene.predicates)
-        self._field = gui.add_text("Predicates", self._shown)
-        self._hint = Html(gui)
-        self._between = gui.add_checkbox(
-            "Also between steps",
-            session.document.scene.between_steps,
-            hint="What must always hold must hold between the steps, too",
-        )
+        with gui.add_folder("Predicates of the state"):
+            self._field = gui.add_text("Predicates", self._shown)
+            self._hint = Html(gui)
+            self._between = gui.add_checkbox(
+                "Also between steps",
+                session.document.scene.between_steps,
+                hint="What must always hold must hold between the steps, too",
+            )
         self._typed: tuple[str, float] | None = None
 
         @self._field.on_update

@@ -7,7 +7,7 @@ from core.methods import METHODS
 from core.methods.training import TrainingConfig
 from studio.page.figures.svg import escape
 from studio.page.session import Session
-from studio.page.settings import FOREVER
+from studio.page.settings import EXACT, FOREVER
 from studio.page.trainer import Phase, Training
 
 
@@ -119,7 +119,9 @@ def _sentence(session: Session) -> str:
 
 
 def _invitation(session: Session) -> str:
-    if not METHODS[session.settings.method].chooses_times:
+    if session.exactly:
+        return "Finds the most robust plan from the start and proves how robust any can be."
+    if session.settings.method != EXACT and not METHODS[session.settings.method].chooses_times:
         return "Trains a policy for the formula as a whole, from scratch."
     if session.planner.training is None or not session.settings.from_weights:
         return "Trains a policy and a critic for the formula, usually in 10–40 s."

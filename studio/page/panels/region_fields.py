@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import viser
 
@@ -12,7 +12,9 @@ from core.errors import UserError
 from core.quoting import shown as shown_text
 from scenes import Region
 from scenes.regions import SHAPES, TURNED
-from studio.page.editing.editor import INITIAL, TOOLS
+from studio.page.editing.corners import with_points
+from studio.page.editing.editor import TOOLS, Editor
+from studio.page.editing.selection import INITIAL
 from studio.page.session import Session
 from studio.page.views.regions import region_look
 from studio.page.views.roles import roles
@@ -23,6 +25,9 @@ FINE = 0.05
 
 DIGITS = 3
 """Decimal places of the fields: millimetres."""
+
+ANGLE_DIGITS = 1
+"""The same of the angle [degrees]."""
 
 LONGEST_PART = 30
 """Characters of a wrong corner that an error shows."""
@@ -40,6 +45,17 @@ SIZE_LABEL = {
     "prism": "Half size",
 }
 """Of the kinds whose size can be typed."""
+
+
+class Typed(NamedTuple):
+    """A text, and what it was typed for; applied when typing pauses."""
+
+    text: str
+    due: float
+    """Monotonic time [s]."""
+    editor: Editor
+    selection: str | None
+    part: int | None
 
 
 class RegionFields:
@@ -60,17 +76,22 @@ class RegionFields:
         }
         self._angle = gui.add_number("Angle (°)", 0.0, min=-360, max=360, step=5, visible=False)
         self._corners = gui.add_text("Corners", "", visible=False)
+        self._levels = gui.add_vector2(
+            "From, to height", (0.0, 1.0), step=FINE, visible=False, hint="Its two ends [m]"
+        )
         self._color = gui.add_rgb("Colour", (0, 0, 0), visible=False)
-        self._renaming: tuple[str, float] | None = None
-        self._cornering: tuple[str, float] | None = None
+        self._renaming: Typed | None = None
+        self._cornering: Typed | None = None
         self._spell, self._touched = 0, 0.0
-        for field in (*self._centers.values(), *self._sizes.values()):
+        for field in (*self._centers.values(), *self._sizes.values(), self._levels):
             field.precision = DIGITS
+        self._angle.precision = ANGLE_DIGITS
         self._on_update(self._name, self._type_name)
         self._on_update(self._kind, self._reshape)
         self._on_update(self._color, self._recolor)
         self._on_update(self._angle, self._turn)
         self._on_update(self._corners, self._type_corners)
+        self._on_update(self._levels, self._stand)
         for field in self._centers.values():
             self._on_update(field, self._move)
         for field in self._sizes.values():
@@ -79,15 +100,16 @@ class RegionFields:
     def draw(self, session: Session) -> None:
         """Show the values of the selected region."""
         self._session = session
-        if self._renaming is not None and time.monotonic() >= self._renaming[1]:
-            (name, _), self._renaming = self._renaming, None
-            session.post(partial(self._rename, name))
-        if self._cornering is not None and time.monotonic() >= self._cornering[1]:
-            (text, _), self._cornering = self._cornering, None
-            session.post(partial(self._put_corners, text))
+        if self._renaming is not None and time.monotonic() >= self._renaming.due:
+            typed, self._renaming = self._renaming, None
+            session.post(partial(self._rename, typed))
+        if self._cornering is not None and time.monotonic() >= self._cornering.due:
+            typed, self._cornering = self._cornering, None
+            session.post(partial(self._put_corners, typed))
         region, selection = session.editor.selected, session.editor.selection
         fields = (
-            *self._centers.values(), *self._sizes.values(), self._kind, self._angle, self._corners
+            *self._centers.values(), *self._sizes.values(),
+            self._kind, self._angle, self._corners, self._levels,
         )  # fmt: skip
         shown = [] if region is None else self._show_shape(region)
         for field in fields:
@@ -98,7 +120,7 @@ class RegionFields:
         if region is not None and named:
             if self._renaming is None:
                 _set(self._name, "value", region.name)
-            _set(self._color, "value", rgb(self._shown_color(region)))
+            _set(self._color, "value", rgb(self._shown_color(session.editor.whole or region)))
 
     def _show_shape(self, region: Region) -> list[Any]:
         """Fill and return the fields that the region's shape needs."""
@@ -106,7 +128,7 @@ class RegionFields:
         center = self._centers[len(region.center)]
         _set(center, "step", fine)
         _set(center, "value", region.center)
-        kinds = tuple(TOOLS[region.dimension][1:])
+        kinds = self._kinds(region)
         _set(self._kind, "options", kinds if region.kind in kinds else (*kinds, region.kind))
         _set(self._kind, "value", region.kind)
         shown: list[Any] = [center, self._kind]
@@ -123,7 +145,16 @@ class RegionFields:
             if self._cornering is None:
                 _set(self._corners, "value", corners_text(region.points))
             shown.append(self._corners)
+        if region.z:
+            _set(self._levels, "step", fine)
+            _set(self._levels, "value", region.z)
+            shown.append(self._levels)
         return shown
+
+    def _kinds(self, region: Region) -> tuple[str, ...]:
+        """What the selected shape can be made; the initial set may be a point."""
+        kinds = TOOLS[region.dimension][1:]
+        return (*kinds, "point") if self._session.editor.selection == INITIAL else kinds
 
     def _shown_color(self, region: Region) -> str:
         scene = self._session.document.scene
@@ -136,38 +167,49 @@ class RegionFields:
             if event.client_id is not None:
                 self._session.post(partial(change, event.target.value))
 
-    def _type_name(self, name: str) -> None:
-        self._renaming = (name, time.monotonic() + PAUSE)
+    def _typed(self, text: str) -> Typed:
+        editor = self._session.editor
+        return Typed(text, time.monotonic() + PAUSE, editor, editor.selection, editor.part)
 
-    def _rename(self, name: str) -> None:
-        editor, document = self._session.editor, self._session.document
-        name = name.strip()
-        if editor.selection and name != editor.selection:
-            document.rename(editor.selection, name)
-            editor.selection = name
+    def _type_name(self, name: str) -> None:
+        self._renaming = self._typed(name)
+
+    def _rename(self, typed: Typed) -> None:
+        editor, name, old = self._session.editor, typed.text.strip(), typed.selection
+        if typed.editor is editor and old and name != old:
+            self._session.document.rename(old, name)
+            if editor.selection == old:
+                editor.select(name, editor.part)
 
     def _reshape(self, kind: str) -> None:
         region = self._session.editor.selected
-        if region is None or kind == region.kind or kind not in TOOLS[region.dimension][1:]:
+        if region is None or kind == region.kind or kind not in self._kinds(region):
             return
-        shape = as_kind(region, kind, self._session.editor.unit / 2)
-        self._session.document.put(self._session.editor.selection or "", shape, "change")
+        editor = self._session.editor
+        editor.put(as_kind(region, kind, editor.unit / 2), "change")
 
     def _turn(self, degrees: float) -> None:
-        editor, region = self._session.editor, self._session.editor.selected
+        region = self._session.editor.selected
         if region is not None and region.kind in TURNED:
-            turned = replace(region, angle=float(degrees))
-            self._session.document.put(editor.selection or "", turned, "turn", self._gesture())
+            self._put(replace(region, angle=float(degrees)), "turn")
+
+    def _stand(self, levels: tuple[float, ...]) -> None:
+        region = self._session.editor.selected
+        if region is not None and region.z:
+            z = tuple(map(float, levels))
+            self._put(replace(region, z=z, center=(), size=()), "change")
 
     def _type_corners(self, text: str) -> None:
-        self._cornering = (text, time.monotonic() + PAUSE)
+        self._cornering = self._typed(text)
 
-    def _put_corners(self, text: str) -> None:
-        editor, region = self._session.editor, self._session.editor.selected
-        if region is None or not region.points or text == corners_text(region.points):
+    def _put_corners(self, typed: Typed) -> None:
+        editor, text, place = self._session.editor, typed.text, (typed.selection, typed.part)
+        if typed.editor is not editor:
             return
-        shape = Region(region.name, region.kind, points=read_corners(text), z=region.z)
-        self._session.document.put(editor.selection or "", shape, "change", self._gesture())
+        region = editor.at(*place)
+        if region is not None and region.points and text != corners_text(region.points):
+            shape = with_points(region, read_corners(text))
+            editor.put_at(*place, shape, "change", self._gesture())
 
     def _recolor(self, value: tuple[int, int, int]) -> None:
         name, color = self._session.editor.selection, "#{:02x}{:02x}{:02x}".format(*value)
@@ -175,11 +217,18 @@ class RegionFields:
             self._session.document.recolor(name, color, gesture=self._gesture())
 
     def _move(self, value: tuple[float, ...]) -> None:
-        self._change(center=tuple(map(float, value)))
+        region = self._session.editor.selected
+        if region is not None:
+            self._put(region.at(tuple(map(float, value))), "move")
 
     def _resize(self, value: float | tuple[float, ...]) -> None:
-        size = value if isinstance(value, tuple) else (value,)
-        self._change(size=tuple(map(float, size)))
+        region = self._session.editor.selected
+        if region is not None:
+            size = value if isinstance(value, tuple) else (value,)
+            self._put(region.sized(tuple(map(float, size))), "resize")
+
+    def _put(self, shape: Region, verb: str) -> None:
+        self._session.editor.put(shape, verb, self._gesture())
 
     def _gesture(self) -> str:
         """Changes in quick succession are one undo step."""
@@ -187,19 +236,6 @@ class RegionFields:
         self._spell += now - self._touched > PAUSE
         self._touched = now
         return f"fields {self._spell}"
-
-    def _change(
-        self, center: tuple[float, ...] | None = None, size: tuple[float, ...] | None = None
-    ) -> None:
-        region, document = self._session.editor.selected, self._session.document
-        if region is None:
-            return
-        if self._session.editor.selection == INITIAL:
-            document.set_initial(center=center, size=size, gesture=self._gesture())
-        elif center is not None:
-            document.move(region.name, center, gesture=self._gesture())
-        elif size is not None:
-            document.resize(region.name, size, gesture=self._gesture())
 
 
 def corners_text(points: Sequence[tuple[float, float]]) -> str:
@@ -231,12 +267,14 @@ def as_kind(region: Region, kind: str, half: float) -> Region:
 
     Args:
         region: of the same dimension.
-        kind: one that can be drawn.
+        kind: one that can be drawn, or a point.
         half: size where the region has none [m].
     """
     size = region.size or (half,)
     if kind in SHAPES:
         return Region(region.name, kind, region.center, _size_for(kind, size))
+    if kind == "point":
+        return Region(region.name, kind, region.center)
     (x, y), (a, b) = region.center[:2], region.half_extents[:2].tolist()
     a, b = a or half, b or half
     points = ((x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b))

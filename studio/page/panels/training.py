@@ -8,11 +8,14 @@ import viser
 from viser import uplot
 
 from core.methods import METHODS
+from scenes import Scene
+from studio.page import exact
 from studio.page.editing.meaning import stale_text
+from studio.page.panels.exact import exact_html
 from studio.page.panels.html import Html, note
 from studio.page.panels.progress import share_done, status_html
 from studio.page.session import Session
-from studio.page.settings import LARGEST_SEED, MODES
+from studio.page.settings import EXACT, LARGEST_SEED, MODES
 from studio.page.trainer import Phase, Point, Training
 
 MOST_POINTS = 500
@@ -25,6 +28,7 @@ SERIES = (
     uplot.Series(label="evaluation [%]", stroke="#1e6091", width=2.5),
 )
 METHOD_LABEL = {name: method.title for name, method in METHODS.items()}
+METHOD_LABEL[EXACT] = "Exact (this start only)"
 MODE_LABEL = {"studio": "studio (seconds)", "paper": "paper (as published)"}
 
 
@@ -45,6 +49,7 @@ class TrainingPanel:
                 visible=False,
                 hint="Continues from this policy, past the target, until the time limit.",
             )
+            self._end = gui.add_button("Stop the search", color="gray", visible=False)
             self._drop = gui.add_button("Cancel the queued training", color="gray", visible=False)
             self._bar = gui.add_progress_bar(0, visible=False)
             self._status = Html(gui)
@@ -55,6 +60,7 @@ class TrainingPanel:
         for button, act in (
             (self._train, session.train),
             (self._longer, session.train_longer),
+            (self._end, session.exact.stop),
             (self._drop, partial(setattr, session, "queued", None)),
         ):
             _on_click(button, session, act)
@@ -72,18 +78,21 @@ class TrainingPanel:
             value=round(100 * share_done(training), 1),
         )
         problem = session.error or training.error or session.analyst.error
-        self._status.show(status_html(session) + _notes(session) + note(problem))
+        searching = exact_html(session)
+        self._status.show(searching + status_html(session) + _notes(session) + note(problem))
         self._draw_curve(training)
 
     def _show_buttons(self, session: Session, training: Training) -> None:
         wrong = bool(session.specification.error)
-        queueing = training.busy
+        exactly, queueing = session.exactly, training.busy
+        trains = not queueing or (session.stale and session.queued is None)
         _set(
             self._train,
-            label="Train next" if queueing else "Train",
-            visible=not queueing or (session.stale and session.queued is None),
+            label="Plan exactly" if exactly else "Train next" if queueing else "Train",
+            visible=not session.exact.running if exactly else trains,
             disabled=wrong,
         )
+        _set(self._end, visible=session.exact.running)
         _set(self._halt, visible=training.running)
         _set(self._resume, visible=training.phase is Phase.PAUSED)
         ended = training.phase in (Phase.DONE, Phase.STOPPED, Phase.LOADED, Phase.FAILED)
@@ -113,13 +122,14 @@ class SettingsControls:
                 min=1.0,
                 max=3600.0,
                 step=5.0,
-                hint="Maximum training time in seconds; stops earlier at 99.5 % success.",
+                hint="Most seconds of training (it stops earlier at 99.5 % success) or of search.",
             )
             self._seed = gui.add_number(
                 "Seed", session.document.scene.seed, min=0, max=LARGEST_SEED, step=1
             )
             self._mode = gui.add_dropdown("Mode", [MODE_LABEL[name] for name in MODES])
-            self._method = gui.add_dropdown("Method", list(METHOD_LABEL.values()))
+            labels = method_labels(session.document.scene)
+            self._method = gui.add_dropdown("Method", labels)
             self._warm = gui.add_checkbox(
                 "Begin with the robot's weights",
                 settings.from_weights,
@@ -156,7 +166,11 @@ class SettingsControls:
         running, settings = session.training.busy, session.settings
         for control in (self._limit, self._seed, self._mode, self._method, self._warm):
             _set(control, disabled=running)
-        _set(self._warm, visible=session.planner.training is not None)
+        exactly = session.exactly
+        _set(self._warm, visible=session.planner.training is not None and not exactly)
+        for control in (self._seed, self._mode):
+            _set(control, visible=not exactly)
+        _set(self._method, options=method_labels(session.document.scene))
         seed = session.document.scene.seed if settings.seed is None else settings.seed
         _set(self._seed, value=seed)
         _set(self._limit, value=settings.time_limit)
@@ -165,6 +179,13 @@ class SettingsControls:
         mode = next((m for m in MODES if MODE_LABEL[m] == self._mode.value), "")
         method = next((m for m in METHOD_LABEL if METHOD_LABEL[m] == self._method.value), "")
         self._session.settings.choose(mode, method)
+
+
+def method_labels(scene: Scene) -> tuple[str, ...]:
+    """What can be chosen as the method for a scene."""
+    return tuple(
+        label for name, label in METHOD_LABEL.items() if name != EXACT or exact.offered(scene)
+    )
 
 
 def curve_data(curve: tuple[Point, ...]) -> tuple[np.ndarray, ...]:

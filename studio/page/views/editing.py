@@ -1,19 +1,20 @@
 """What is being edited: the selected region's outline and handles, and the region being drawn.
 
-Dots resize the region. In 3D, arrows beyond the faces move it along an axis.
+Dots resize the region, the orange one on a stem turns it. Small dots on the edges of a polygon are
+dragged out to new corners. In 3D, arrows beyond the faces move the region along an axis.
 """
 
 from collections.abc import Sequence
 from functools import cache, partial
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import trimesh
 import viser
 
-from core.decompose import Decomposition
 from scenes import Region
-from studio.page.editing.editor import Phase, Point
+from studio.page.editing.corners import middles_of
+from studio.page.editing.editor import Editor, Phase, Point
 from studio.page.editing.shapes import axis_of, half_extents, handles
 from studio.page.session import Session
 from studio.page.views.outlines import outline
@@ -29,15 +30,27 @@ ABOVE = 0.04
 HANDLE, GAP, ARROW = 0.12, 0.3, 0.75
 """Radius of a dot, gap between a face and its arrow, and the arrow's length, in robot lengths."""
 
-PREVIEW = (247, 103, 7)
+SMALL = 0.6
+"""Radius of the dots on edges, in that of the others."""
+
+PREVIEW = CHOSEN = (247, 103, 7)
+PALE = (143, 176, 200)
 AXIS_COLORS = ((224, 49, 49), (47, 158, 68), (25, 113, 194))
 
 
+NODE = {"dot": "handle", "corner": "handle", "edge": "edge", "turn": "turn", "arrow": "arrow"}
+"""Names of the nodes of grips, without their numbers."""
+
+
 class Grip(NamedTuple):
-    """Something to drag: a dot, or an arrow along an axis."""
+    """Something to drag."""
 
     position: tuple[float, float, float]
-    arrow: int | None = None
+    kind: Literal["dot", "corner", "edge", "turn", "arrow"]
+    index: int
+    """Of the handle or edge; of an arrow, the axis."""
+    axis: int | None = None
+    """Along which it is dragged; None for a level."""
 
 
 class EditingView:
@@ -45,7 +58,7 @@ class EditingView:
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene, self._server = server.scene, server
-        self._selected: tuple[Region | None, Region | None, Decomposition | None] | None = None
+        self._selected: tuple | None = None
         self._preview: Region | None = None
         self._corners: tuple[tuple[float, float], ...] = ()
         self._kinds: tuple = ()
@@ -56,7 +69,8 @@ class EditingView:
         editor = session.editor
         region = editor.selected
         there = None if region is None else region.displaced(shown_step(session))
-        selected = (region, there, session.specification.decomposition)
+        held = (editor.vertex, editor.dragging, editor.turn_handle)
+        selected = (region, there, session.specification.decomposition, held)
         if selected != self._selected:
             self._selected = selected
             with self._server.atomic():
@@ -90,43 +104,64 @@ class EditingView:
         surrounded = None if there is None else seen(there, unit)
         self._line("/edit/outline", surrounded, height, BRAND, 4.0)
         away = region is None or there is None or region.center != there.center
-        shown = [] if region is None or away else grips(region, height, unit)
-        turned = region is not None and region.angle != 0
-        planar = region is None or region.dimension == 2
-        kinds = (unit, planar, turned, [grip.arrow for grip in shown])
+        shown = [] if away else shown_grips(session.editor, height)
+        kinds = (unit, [(grip.kind, grip.axis) for grip in shown])
         if kinds != self._kinds:
             self._kinds = kinds
-            self._make_grips(session, shown, planar=planar, turned=turned)
+            self._make_grips(session, shown)
+        self._stem(shown, region, height)
         for node, grip in zip(self._grips, shown, strict=True):
             node.position = grip.position
+            if grip.kind == "corner" and isinstance(node, viser.IcosphereHandle):
+                node.color = CHOSEN if grip.index == session.editor.vertex else BRAND
 
-    def _make_grips(
-        self, session: Session, wanted: Sequence[Grip], *, planar: bool, turned: bool
-    ) -> None:
+    def _stem(self, shown: Sequence[Grip], region: Region | None, height: float) -> None:
+        """A line from the middle of what is turned to its handle."""
+        handle = next((grip.position for grip in shown if grip.kind == "turn"), None)
+        if handle is None or region is None:
+            self._scene.remove_by_name("/edit/stem")
+            return
+        ends = np.array([[_raised(region.center, height), handle]], np.float32)
+        self._scene.add_line_segments(
+            "/edit/stem", ends, CHOSEN, thickness=2.0, thickness_units="screen"
+        )
+
+    def _make_grips(self, session: Session, wanted: Sequence[Grip]) -> None:
         for node in self._grips:
             node.remove()
-        self._grips = []
-        for index, grip in enumerate(wanted):
-            if grip.arrow is not None:
-                node = self._add_arrow(f"/edit/arrow{grip.arrow}", grip, session.editor.unit)
-                on_axis_drag(node, partial(_move, session), grip.arrow)
-            else:
-                node = self._scene.add_icosphere(
-                    f"/edit/handle{index}",
-                    HANDLE * session.editor.unit,
-                    BRAND,
-                    position=grip.position,
-                    cast_shadow=False,
-                )
-                drag = partial(_resize, session, index)
-                if planar or (turned and axis_of(index) < 2):
-                    on_level_drag(node, drag)
-                else:
-                    on_axis_drag(node, drag, axis_of(index))
-            self._grips.append(node)
+        self._grips = [self._made(session, grip) for grip in wanted]
+
+    def _made(self, session: Session, grip: Grip) -> viser.SceneNodeHandle:
+        """The node of a grip, with what a drag of it does."""
+        unit, name = session.editor.unit, f"/edit/{NODE[grip.kind]}{grip.index}"
+        if grip.kind == "arrow":
+            node = self._add_arrow(name, grip, unit)
+            on_axis_drag(node, partial(_move, session), grip.index)
+            return node
+        small = SMALL if grip.kind == "edge" else 1.0
+        color = {"turn": CHOSEN, "edge": PALE}.get(grip.kind, BRAND)
+        node = self._scene.add_icosphere(
+            name, small * HANDLE * unit, color, position=grip.position, cast_shadow=False
+        )
+        if grip.kind == "turn":
+            on_level_drag(node, partial(_turn, session, False))
+            on_level_drag(node, partial(_turn, session, True), modifier="shift")
+            return node
+        drag = partial(_add_corner if grip.kind == "edge" else _resize, session, grip.index)
+        if grip.axis is None:
+            on_level_drag(node, drag)
+        else:
+            on_axis_drag(node, drag, grip.axis)
+        if grip.kind == "corner":
+
+            @node.on_click
+            async def _(_: viser.SceneNodePointerEvent) -> None:
+                session.post(partial(_choose_corner, session, grip.index))
+
+        return node
 
     def _add_arrow(self, name: str, grip: Grip, unit: float) -> viser.MeshHandle:
-        axis = grip.arrow or 0
+        axis = grip.index
         mesh = arrow(axis)
         return self._scene.add_mesh_simple(
             name,
@@ -158,16 +193,49 @@ class EditingView:
         )
 
 
+def shown_grips(editor: Editor, height: float) -> list[Grip]:
+    """Grips of what is selected; while a new corner is dragged, those there were before it."""
+    region = editor.selected
+    if region is None:
+        return []
+    edge, before = editor.adding, editor.grabbed
+    if edge is None or before is None:
+        shown = grips(region, height, editor.unit)
+    else:
+        shown = grips(before, height, editor.unit)
+        if len(region.points) > len(before.points):
+            held = _raised((*region.points[edge + 1], *region.center[2:]), height)
+            at = next(i for i, g in enumerate(shown) if g.kind == "edge" and g.index == edge)
+            shown[at] = shown[at]._replace(position=held)
+    handle = editor.turn_handle
+    if handle is not None:
+        shown.append(Grip(_raised(handle, height), "turn", 0))
+    return shown
+
+
 def grips(region: Region, height: float, unit: float) -> list[Grip]:
     """Dots of a region; in 3D, also arrows, placed outside the region and its dots."""
-    dots = [Grip(_raised(point, height)) for point in handles(region)]
+    corners = len(region.points)
+    dots = [
+        Grip(
+            _raised(point, height),
+            "corner" if index < corners else "dot",
+            index,
+            axis_of(region, index),
+        )
+        for index, point in enumerate(handles(region))
+    ]
+    dots += [
+        Grip(_raised(point, height), "edge", index)
+        for index, point in enumerate(middles_of(region))
+    ]
     if region.dimension == 2:
         return dots
     center = np.asarray(region.center)
     arrows = []
     for axis, half in enumerate(half_extents(region)):
         away = np.eye(3)[axis] * (half + GAP * unit)
-        arrows.append(Grip(_raised(tuple(center + away), height), axis))
+        arrows.append(Grip(_raised(tuple(center + away), height), "arrow", axis, axis))
     return [*dots, *arrows]
 
 
@@ -187,6 +255,21 @@ def arrow(axis: int) -> trimesh.Trimesh:
 def _resize(session: Session, index: int, phase: Phase, start: Point, end: Point) -> None:
     del start
     session.post(lambda: session.editor.resize(index, phase, end))
+
+
+def _add_corner(session: Session, edge: int, phase: Phase, start: Point, end: Point) -> None:
+    del start
+    session.post(lambda: session.editor.add_corner(edge, phase, end))
+
+
+def _choose_corner(session: Session, index: int) -> None:
+    session.editor.vertex = index
+    session.editor.check_selection()
+
+
+def _turn(session: Session, fine: bool, phase: Phase, start: Point, end: Point) -> None:
+    point = start if phase == "start" else end
+    session.post(lambda: session.editor.turn(phase, point, fine=fine))
 
 
 def _move(session: Session, phase: Phase, start: Point, end: Point) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import viser
 
 from studio.page.editing.editor import Phase, Point
+from studio.page.editing.selection import Ray
 
 NEARLY_ALONG = 0.995
 """Cosine between a ray and a line above which the nearest point is unreliable."""
@@ -31,6 +32,13 @@ def level_point(eye: np.ndarray, through: np.ndarray, height: float) -> Point:
         return float(through[0]), float(through[1]), height
     x, y, _ = eye + share * ray
     return float(x), float(y), height
+
+
+def ray_of(event: viser.SceneNodePointerEvent) -> Ray | None:
+    """Where a click came from and its direction [3], if the viewer says so."""
+    if event.ray_origin is None or event.ray_direction is None:
+        return None
+    return np.asarray(event.ray_origin, float), np.asarray(event.ray_direction, float)
 
 
 def on_level_drag(

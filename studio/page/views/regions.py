@@ -3,16 +3,18 @@
 Regions that move are where they are at the playhead; without a rollout, where they begin.
 """
 
+from functools import partial
 from typing import NamedTuple
 
 import viser
 
 from scenes import Region, Scene, unit_of
 from scenes.starts import inner_point
-from studio.page.editing.editor import CLICKED, INITIAL, SELECT, Phase, Point
+from studio.page.editing.editor import CLICKED, SELECT, Phase, Point
+from studio.page.editing.selection import INITIAL
 from studio.page.session import Session
 from studio.page.views.floor import click_corner, drawing_drag
-from studio.page.views.pointer import on_level_drag
+from studio.page.views.pointer import on_level_drag, ray_of
 from studio.page.views.roles import Role, roles
 from studio.page.views.solids import Solid, add_solid, body_position, place_solid, rgb, seen, top
 from studio.page.views.walls import Face, add_face, wall_faces
@@ -177,7 +179,7 @@ def _listen(session: Session, body: Solid, target: str) -> None:
             if session.editor.tool in CLICKED:
                 click_corner(session, event)
             else:
-                session.post(lambda: session.editor.select(target))
+                session.post(partial(session.editor.click, target, ray_of(event)))
 
 
 def _label_position(node: str, region: Region, height: float) -> tuple[float, float, float]:

@@ -9,6 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from core.planning.exact import TOLERANCE, Setting, plan_exactly
+from core.planning.watch import Watch
 from core.stl import horizon, parse, robustness
 from scenes.outlines import margins_of, outline_of
 from scenes.regions import Region
@@ -19,6 +20,8 @@ REGIONS = (
     Region("B", "rectangle", (-0.5, 1.0), (1.0, 0.5)),
     Region("C", "circle", (0.5, -1.0), (0.75,)),
 )
+BAR = Region("D", "rectangle", (0.5, 1.0), (1.5, 0.3), angle=25.0)
+KITE = Region("E", "polygon", points=((0, 3), (-1, 0), (0, -0.5), (2, 0.5)))
 STRIDE = 0.5
 SECONDS = 20.0
 
@@ -152,7 +155,7 @@ def test_a_mirrored_scene_has_the_same_optimum():
 
 @settings(max_examples=100, deadline=None)
 @given(
-    st.sampled_from(REGIONS),
+    st.sampled_from((*REGIONS, BAR, KITE)),
     st.sampled_from((8, 16, 64)),
     st.tuples(st.floats(-4, 4), st.floats(-4, 4)),
 )
@@ -165,5 +168,33 @@ def test_outlines_enclose_the_distance(region, directions, position):
     assert lower - 1e-9 <= distance <= upper + 1e-9
     nearest = np.linalg.norm(np.subtract(position, region.center))
     assert upper - lower <= 2 * (1 / np.cos(2 * np.pi / directions) - 1) * nearest + 1e-9 or (
-        region.kind == "rectangle"
+        region.kind != "circle"
     )
+
+
+def test_a_turned_wall_is_passed_by():
+    """The goal is behind a bar; its bounding box would leave no way in time."""
+    bar = Region("D", "rectangle", (1.5, 0.0), (1.5, 0.1), angle=45.0)
+    goal = Region("A", "rectangle", (2.0, -0.5), (0.4, 0.4))
+    formula = parse("F_[0:6](A) & G_[0:6](!D)")
+    found = plan_exactly(formula, setting(start=(1.0, -1.0), regions=(bar, goal)), seconds=SECONDS)
+    assert found.status == "optimal"
+    assert found.positions is not None
+    assert found.robustness == pytest.approx(exact(formula, found.positions, (bar, goal)))
+
+
+def test_a_search_that_is_stopped_tells_what_it_has():
+    formula, watch = parse("F_[0:6](A) & F_[0:9](C) & G_[0:9](!B)"), Watch()
+    watch.stop.set()
+    found = plan_exactly(formula, setting(), watch=watch)
+    assert found.status in ("unknown", "feasible", "optimal")
+    assert found.bound == watch.bound
+    assert found.bound >= plan_exactly(formula, setting(), seconds=SECONDS).robustness
+
+
+def test_the_robot_rests_once_nothing_depends_on_it():
+    formula = parse("F_[0:4](A) & G_[0:40](!C)")
+    found = plan_exactly(formula, setting(), seconds=SECONDS)
+    assert found.status == "optimal" and found.positions is not None
+    assert np.ptp(found.positions[5:], axis=0).max() == 0.0
+    assert found.robustness == pytest.approx(exact(formula, found.positions))

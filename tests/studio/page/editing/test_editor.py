@@ -5,7 +5,8 @@ import pytest
 from core.errors import UserError
 from scenes import Region, load_task
 from studio.page.editing.document import Document
-from studio.page.editing.editor import INITIAL, SELECT, Editor
+from studio.page.editing.editor import SELECT, Editor
+from studio.page.editing.selection import INITIAL
 from studio.page.editing.shapes import handles
 
 

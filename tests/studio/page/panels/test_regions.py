@@ -4,7 +4,8 @@ import pytest
 
 from scenes import load_task
 from studio.page.editing.document import Document
-from studio.page.editing.editor import INITIAL, Editor
+from studio.page.editing.editor import Editor
+from studio.page.editing.selection import INITIAL
 from studio.page.panels.regions import press
 
 
