@@ -27,11 +27,12 @@ class RunOptions:
     """Run what a file asks for, except what is finished already."""
 
     matrix: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME|FILE.toml")]]
-    """smoke, paper, ablation or horizon, or a file of one's own (see studio/bench/matrix.py)."""
+    """One of smoke, paper, comparison, horizon, ablation, paper-ablation, paper-mode, or a file of
+    one's own (see studio/bench/matrix.py)."""
     out: Where
     """Folder of the store; runs of several files may share it."""
-    processes: Annotated[int, tyro.conf.arg(metavar="INT")] = 1
-    """Runs at the same time; more than one disturb each other's seconds."""
+    processes: Annotated[int, tyro.conf.arg(metavar="INT", aliases=["--jobs"])] = 1
+    """Runs at the same time, each kept to its share of the cores."""
 
 
 @dataclass(frozen=True)

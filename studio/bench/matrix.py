@@ -14,10 +14,12 @@
     weights = ["none"]             # none, shipped
     horizons = [50, 100]           # [steps]; none: the scene's. All intervals are stretched alike
     seeds = [1007, 1008]
-    epochs = 60                    # and seconds, target, evaluate_every: the budget
+    epochs = 60                    # and seconds, cpu_seconds, target, evaluate_every: the budget
 
-The files that come with the program are named without their ending: `smoke`, `paper`, `ablation`,
-`horizon`.
+`seconds` are wall-clock, `cpu_seconds` those of the processor, summed over the threads of a run: a
+machine that does other things too leaves them as they are. What is used up first ends a run.
+
+The files that come with the program are named without their ending: `smoke`, `comparison`, ...
 """
 
 import hashlib
@@ -67,6 +69,7 @@ class _Runs(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     seeds: Annotated[tuple[Annotated[int, Meta(ge=0, le=2**31 - 1)], ...], Meta(min_length=1)]
     epochs: Annotated[int, Meta(ge=1, le=10**6)] | None = None
     seconds: Annotated[float, Meta(gt=0, le=10**7)] | None = None
+    cpu_seconds: Annotated[float, Meta(gt=0, le=10**7)] | None = None
     target: Annotated[float, Meta(gt=0, le=10**6)] | None = None
     evaluate_every: Annotated[int, Meta(ge=1, le=10**6)] | None = None
 
@@ -80,7 +83,7 @@ class _File(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     runs: Annotated[list[_Runs], Meta(min_length=1)]
 
 
-class Job(msgspec.Struct, frozen=True, kw_only=True):
+class Job(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One training, fully described: the same job gives the same result."""
 
     task: str
@@ -95,6 +98,9 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     seed: int
     epochs: int | None
     seconds: float | None
+    """Wall-clock [s], compilation apart."""
+    cpu_seconds: float | None = None
+    """Of the processor [s], compilation apart."""
     target: float | None
     evaluate_every: int | None
 
@@ -186,6 +192,7 @@ def _jobs(runs: _Runs, variants: dict[str, dict[str, Any]], where: str) -> Itera
             seed=seed,
             epochs=runs.epochs,
             seconds=runs.seconds,
+            cpu_seconds=runs.cpu_seconds,
             target=runs.target,
             evaluate_every=runs.evaluate_every,
         )

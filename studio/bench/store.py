@@ -23,6 +23,7 @@ _POINT = pa.struct(
     {
         "epoch": pa.int64(),
         "seconds": pa.float64(),
+        "cpu_seconds": pa.float64(),
         "env_steps": pa.int64(),
         "success_rate": pa.float64(),
         "robustness_mean": pa.float64(),
@@ -46,9 +47,14 @@ SCHEMA = pa.schema(
         "robustness_mean": pa.float64(),  # m
         "epochs": pa.int64(),
         "env_steps": pa.int64(),
+        "stopped": pa.string(),  # by what the training ended: target, epochs, seconds, cpu_seconds
         "train_seconds": pa.float64(),  # evaluations during training included, compilation not
+        "train_cpu_seconds": pa.float64(),  # the same, of all threads of the processor
         "compile_seconds": pa.float64(),
         "wall_seconds": pa.float64(),  # all of the run, from the process's start on
+        "cpu_seconds": pa.float64(),  # the same, of all threads of the processor
+        "concurrent": pa.int64(),  # runs at the same time on this machine, itself included
+        "cores": pa.int64(),  # that the run was allowed to use
         "peak_bytes": pa.int64(),
         "curve": pa.list_(_POINT),  # the evaluations during training
         "started": pa.string(),  # ISO 8601, UTC

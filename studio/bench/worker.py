@@ -1,4 +1,4 @@
-"""One run in its own process: `python -m studio.bench.worker STORE`, the job on standard input.
+"""One run in its own process: `python -m studio.bench.worker STORE`, an order on standard input.
 
 The process ends with its runner, however that ends: standard input is kept open for as long as the
 runner lives, and its end is the sign. A process serves one run, so that its memory is the run's.
@@ -17,11 +17,19 @@ import msgspec
 
 from core.compilation import use_disk_cache
 from core.errors import UserError
-from core.methods.training import Progress, best_weights, final_evaluation, train
+from core.methods.training import (
+    Progress,
+    TrainingConfig,
+    best_weights,
+    final_evaluation,
+    train,
+)
 from scenes import load_task
+from studio.bench.cores import keep_to, own_cores
 from studio.bench.horizons import with_horizon
 from studio.bench.machine import git_revision, machine, peak_memory, versions
 from studio.bench.matrix import Job, changed
+from studio.bench.order import Order
 from studio.bench.store import Store
 from studio.runs.config import RunConfig, make_config
 from studio.runs.json_documents import plain
@@ -30,9 +38,9 @@ LOST = 3
 """Exit status of a process whose runner has ended."""
 
 
-def measure(job: Job) -> dict[str, Any]:
+def measure(job: Job, concurrent: int = 1) -> dict[str, Any]:
     """Train, evaluate, and return the row of a run; a job that is not allowed is `refused`."""
-    began = time.perf_counter()
+    began, cpu_began = time.perf_counter(), time.process_time()
     scene = load_task(job.task)
     row: dict[str, Any] = {
         "key": job.key,
@@ -46,12 +54,18 @@ def measure(job: Job) -> dict[str, Any]:
         "versions": versions(),
         "machine": {name: str(value) for name, value in machine().items()},
         "job": msgspec.json.encode(job).decode(),
+        "concurrent": concurrent,
+        "cores": len(own_cores()),
     }
     try:
-        row |= _trained(configuration(job))
+        row |= _trained(configuration(job), job.cpu_seconds)
     except UserError as error:
         row |= {"status": "refused", "message": str(error)}
-    return row | {"wall_seconds": time.perf_counter() - began, "peak_bytes": peak_memory()}
+    return row | {
+        "wall_seconds": time.perf_counter() - began,
+        "cpu_seconds": time.process_time() - cpu_began,
+        "peak_bytes": peak_memory(),
+    }
 
 
 def configuration(job: Job) -> RunConfig:
@@ -78,14 +92,16 @@ def configuration(job: Job) -> RunConfig:
     return replace(config, training=replace(training, algorithm=algorithm, evaluate_every=every))
 
 
-def _trained(config: RunConfig) -> dict[str, Any]:
-    """What a training came to."""
+def _trained(config: RunConfig, cpu_limit: float | None) -> dict[str, Any]:
+    """What a training came to, within processor seconds if there is a limit to them."""
     task, training = config.build_task(), config.training
     curve: list[dict[str, Any]] = []
     last: Progress | None = None
     for last in train(task, training, config.first_state(task)):
         if last.evaluation is not None:
             curve.append(_point(last))
+        if cpu_limit is not None and last.cpu_seconds >= cpu_limit:
+            break
     if last is None:
         raise UserError("the budget ended before the first epoch")
     evaluation = final_evaluation(task, training, best_weights(task, training, last.state))
@@ -94,11 +110,23 @@ def _trained(config: RunConfig) -> dict[str, Any]:
         "robustness_mean": plain(evaluation.robustness_mean),
         "epochs": last.epoch,
         "env_steps": last.env_steps,
+        "stopped": _stopped(last, training, cpu_limit),
         "train_seconds": last.train_seconds,
+        "train_cpu_seconds": last.cpu_seconds,
         "compile_seconds": last.compile_seconds,
         "curve": curve,
         "configuration": msgspec.json.encode(config.document()).decode(),
     }
+
+
+def _stopped(last: Progress, training: TrainingConfig, cpu_limit: float | None) -> str:
+    """By what a training has ended."""
+    if bool(last.state.finished):
+        return "target"
+    if last.epoch >= training.epochs:
+        return "epochs"
+    used_up = cpu_limit is not None and last.cpu_seconds >= cpu_limit
+    return "cpu_seconds" if used_up else "seconds"
 
 
 def _point(progress: Progress) -> dict[str, Any]:
@@ -106,6 +134,7 @@ def _point(progress: Progress) -> dict[str, Any]:
     return {
         "epoch": progress.epoch,
         "seconds": progress.train_seconds,
+        "cpu_seconds": progress.cpu_seconds,
         "env_steps": progress.env_steps,
         "success_rate": progress.evaluation.success_rate,
         "robustness_mean": plain(progress.evaluation.robustness_mean),
@@ -118,11 +147,12 @@ def _end_with_the_runner() -> None:
 
 
 def main(folder: str) -> None:
-    """Read a job, run it, and add its row to a store."""
-    job = msgspec.json.decode(sys.stdin.readline(), type=Job)
+    """Read an order, carry it out, and add its row to a store."""
+    order = msgspec.json.decode(sys.stdin.readline(), type=Order)
     threading.Thread(target=_end_with_the_runner, daemon=True).start()
+    keep_to(order.cores)
     use_disk_cache()
-    Store(Path(folder)).add(measure(job))
+    Store(Path(folder)).add(measure(order.job, order.concurrent))
 
 
 if __name__ == "__main__":
