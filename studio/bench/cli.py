@@ -41,6 +41,8 @@ class ReportOptions:
 
     folder: tyro.conf.Positional[Where]
     """Folder of the store."""
+    docs: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder in which benchmarks.md and benchmarks.json are written, too."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -76,10 +78,13 @@ def _run(options: RunOptions) -> int:
 
 
 def _report(options: ReportOptions) -> int:
-    from studio.bench.report import write_report  # noqa: PLC0415
+    from studio.bench.report import write_docs, write_report  # noqa: PLC0415
     from studio.bench.store import Store  # noqa: PLC0415
 
-    print(write_report(Store(options.folder)))
+    page = write_report(Store(options.folder))
+    print(page)
+    if options.docs is not None:
+        print(write_docs(page.parent / "summary.json", options.docs))
     return 0
 
 

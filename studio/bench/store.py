@@ -30,6 +30,14 @@ _POINT = pa.struct(
     }
 )
 
+_MAP = pa.struct(
+    {
+        "first": pa.list_(pa.int64()),  # steps, of the first variable
+        "second": pa.list_(pa.int64()),
+        "scores": pa.list_(pa.float32()),  # row by row; NaN where legs are too short
+    }
+)
+
 SCHEMA = pa.schema(
     {
         "key": pa.string(),
@@ -45,6 +53,8 @@ SCHEMA = pa.schema(
         "seed": pa.int64(),
         "success_rate": pa.float64(),
         "robustness_mean": pa.float64(),  # m
+        "middle_robustness": pa.float64(),  # m, from the middle of the initial set; Linear only
+        "bound": pa.float64(),  # m, that no trace from there exceeds; of the exact planner
         "epochs": pa.int64(),
         "env_steps": pa.int64(),
         "stopped": pa.string(),  # by what the training ended: target, epochs, seconds, cpu_seconds
@@ -57,6 +67,9 @@ SCHEMA = pa.schema(
         "cores": pa.int64(),  # that the run was allowed to use
         "peak_bytes": pa.int64(),
         "curve": pa.list_(_POINT),  # the evaluations during training
+        "critic_scores": pa.list_(pa.float32()),  # of random schedules
+        "critic_robustness": pa.list_(pa.float32()),  # m, of their rollouts
+        "critic_map": _MAP,
         "started": pa.string(),  # ISO 8601, UTC
         "revision": pa.string(),
         "versions": pa.map_(pa.string(), pa.string()),

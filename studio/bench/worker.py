@@ -13,9 +13,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import jax
 import msgspec
 
 from core.compilation import use_disk_cache
+from core.controller import Controller
 from core.errors import UserError
 from core.methods.training import (
     Progress,
@@ -24,15 +26,22 @@ from core.methods.training import (
     final_evaluation,
     train,
 )
+from core.task.protocols import stride_of
+from core.task.task import Task
 from scenes import load_task
 from studio.bench.cores import keep_to, own_cores
+from studio.bench.critic import critic_map, critic_samples, middle_robustness
 from studio.bench.horizons import with_horizon
 from studio.bench.machine import git_revision, machine, peak_memory, versions
 from studio.bench.matrix import Job, changed
 from studio.bench.order import Order
+from studio.bench.others import OTHERS, measured
 from studio.bench.store import Store
 from studio.runs.config import RunConfig, make_config
 from studio.runs.json_documents import plain
+
+BEYOND = 2**19
+"""Number of the random key for what is asked beyond success."""
 
 LOST = 3
 """Exit status of a process whose runner has ended."""
@@ -58,7 +67,7 @@ def measure(job: Job, concurrent: int = 1) -> dict[str, Any]:
         "cores": len(own_cores()),
     }
     try:
-        row |= _trained(configuration(job), job.cpu_seconds)
+        row |= measured(job) if job.method in OTHERS else _trained(configuration(job), job)
     except UserError as error:
         row |= {"status": "refused", "message": str(error)}
     return row | {
@@ -92,9 +101,9 @@ def configuration(job: Job) -> RunConfig:
     return replace(config, training=replace(training, algorithm=algorithm, evaluate_every=every))
 
 
-def _trained(config: RunConfig, cpu_limit: float | None) -> dict[str, Any]:
-    """What a training came to, within processor seconds if there is a limit to them."""
-    task, training = config.build_task(), config.training
+def _trained(config: RunConfig, job: Job) -> dict[str, Any]:
+    """What a training came to."""
+    task, training, cpu_limit = config.build_task(), config.training, job.cpu_seconds
     curve: list[dict[str, Any]] = []
     last: Progress | None = None
     for last in train(task, training, config.first_state(task)):
@@ -104,8 +113,10 @@ def _trained(config: RunConfig, cpu_limit: float | None) -> dict[str, Any]:
             break
     if last is None:
         raise UserError("the budget ended before the first epoch")
-    evaluation = final_evaluation(task, training, best_weights(task, training, last.state))
+    weights = best_weights(task, training, last.state)
+    evaluation = final_evaluation(task, training, weights)
     return {
+        **_beyond(task, training.controller(weights), job),
         "success_rate": evaluation.success_rate,
         "robustness_mean": plain(evaluation.robustness_mean),
         "epochs": last.epoch,
@@ -117,6 +128,17 @@ def _trained(config: RunConfig, cpu_limit: float | None) -> dict[str, Any]:
         "curve": curve,
         "configuration": msgspec.json.encode(config.document()).decode(),
     }
+
+
+def _beyond(task: Task, controller: Controller, job: Job) -> dict[str, Any]:
+    """What is asked of the weights beyond their success."""
+    key, found = jax.random.fold_in(jax.random.key(job.seed), BEYOND), {}
+    if stride_of(task.robot) is not None:
+        found["middle_robustness"] = plain(middle_robustness(task, controller, key))
+    if job.critic_samples and controller.search is not None:
+        found |= critic_samples(task, controller, key, job.critic_samples)
+        found |= critic_map(task, controller, key)
+    return found
 
 
 def _stopped(last: Progress, training: TrainingConfig, cpu_limit: float | None) -> str:
