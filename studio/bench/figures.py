@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import matplotlib
@@ -14,6 +15,9 @@ from matplotlib import pyplot as plt
 from studio.bench.statistics import Estimate, curve_at, interval
 
 DPI = 130
+LONGEST = 13
+"""Characters of a line below a bar."""
+
 POINTS = 200
 """Of a curve."""
 
@@ -88,7 +92,7 @@ def bars(
     if beside:
         heights = [beside.get(name, np.nan) for name in names]
         axes.bar(place - shift, heights, width, color=PUBLISHED, label=citation)
-        _legend(axes, -0.42)
+        _legend(axes)
     axes.set_xticks(place, [_named(name, estimates[name]) for name in names], size=7.5)
     axes.tick_params(axis="x", length=0)
     axes.set_ylabel(label)
@@ -131,7 +135,7 @@ def curves(
     axes.set_xlabel(label)
     axes.set_ylabel("success rate")
     axes.set_ylim(-0.02, 1.04)
-    _legend(axes, -0.16)
+    _legend(axes)
     _save(figure, path)
 
 
@@ -155,10 +159,13 @@ def sweep(
     if beside:
         given = sorted(beside)
         axes.plot(given, [beside[step] for step in given], "s--", color=PUBLISHED, label=citation)
-        _legend(axes, -0.2)
-    for step, mean in zip(steps, means, strict=True):
-        note = "1 run" if estimates[step].runs == 1 else f"{estimates[step].runs} runs"
-        axes.annotate(note, (step, mean), (0, -15), textcoords="offset points", size=7, ha="center")
+        _legend(axes)
+    axes.set_xscale("log")
+    axes.minorticks_off()
+    counted = [
+        f"{step}\n{_counts(estimates[step].runs, estimates[step].seeds, chr(10))}" for step in steps
+    ]
+    axes.set_xticks(steps, counted, size=7.5)
     largest = max([*means, *(beside or {}).values()])
     axes.set_ylim(0, 1.04 * most if most is not None else 1.2 * largest)
     axes.set_xlabel("horizon T [steps]")
@@ -224,8 +231,7 @@ def _grid(count: int) -> tuple[Any, list[Any]]:
 
 def _named(name: str, estimate: Estimate) -> str:
     """A bar's name, with its counts."""
-    parts = name.replace(", ", "\n").split("\n")
-    lines = [part if len(part) <= 12 else part.replace("-", "-\n", 1) for part in parts]
+    lines = [line for part in name.split(", ") for line in wrap(part, LONGEST)]
     return "\n".join([*lines, _counts(estimate.runs, estimate.seeds, "\n")])
 
 
@@ -234,9 +240,9 @@ def _counts(runs: int, seeds: int, between: str = ", ") -> str:
     return f"{ran}{between}{'1 seed' if seeds == 1 else f'{seeds} seeds'}"
 
 
-def _legend(axes: Any, below: float) -> None:
-    """Below the axes, where it hides nothing."""
-    where = {"loc": "upper center", "bbox_to_anchor": (0.5, below)}
+def _legend(axes: Any) -> None:
+    """Above the axes, where it hides nothing."""
+    where = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.01)}
     axes.legend(fontsize=7.5, ncols=2, frameon=False, **where)
 
 

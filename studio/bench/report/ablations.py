@@ -32,7 +32,12 @@ def _table(page: Page, key: str, title: str, rows: Rows, known: Mapping[str, flo
     if known is not None:
         chosen = [row for row in rows if row["variant"] in known or _is_whole(row)]
         rows = [row for row in chosen if row["weights"] == "none"]
-    found = estimates(by(rows, _label), "success_rate")
+    places = {label: place for place, label in enumerate(known or {})}
+
+    def place(row: Row) -> tuple[int, str]:
+        return -1 if _is_whole(row) else places.get(row["variant"], 0), _label(row)
+
+    found = estimates(by(sorted(rows, key=place), _label), "success_rate")
     if len(found) < 2:
         return
     whole = None if known is None else known["default"]

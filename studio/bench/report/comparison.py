@@ -1,6 +1,7 @@
 """The main comparison (Fig. 1, App. A.5): success, curves and training time, robot by robot."""
 
 from core.methods import METHODS
+from envs import ENVS
 from studio.bench.figures import bars, curves
 from studio.bench.published import published
 from studio.bench.report.page import Page
@@ -15,7 +16,7 @@ from studio.bench.report.rows import (
     main,
     name,
 )
-from studio.bench.statistics import over_seeds
+from studio.bench.statistics import Estimate, over_seeds
 
 CHAMPION = "tgpo-star"
 """The method that the baselines are held against."""
@@ -50,31 +51,44 @@ def beaten(page: Page, rows: Rows) -> None:
 
 
 def comparison(page: Page, rows: Rows) -> None:
-    """A section for each robot and budget."""
-    for (robot, limit), part in by(main(rows), lambda row: (row["robot"], budget(row))).items():
-        key = f"{robot}-{''.join(c if c.isalnum() else '-' for c in limit)}"
-        page.heading(f"{robot}: {limit}")
-        _success(page, key, robot, part)
-        _over_time(page, key, robot, part)
-        _each_task(page, key, part)
+    """A section for each robot and budget, where methods can be compared or nothing else is."""
+    for robot, own in by_robot(main(rows)).items():
+        parts = by(own, budget)
+        several = {limit for limit, part in parts.items() if len(different(part, "method")) > 1}
+        for limit in [one for one in parts if one in several] or parts:
+            part = parts[limit]
+            key = f"{robot}-{''.join(c if c.isalnum() else '-' for c in limit)}"
+            page.heading(f"{robot}: {limit}")
+            _success(page, key, robot, part)
+            _over_time(page, key, robot, part)
+            _each_task(page, key, part)
+
+
+def by_robot(rows: Rows) -> dict[str, Rows]:
+    """The shipped robots in their order, then any others."""
+    found = by(rows, lambda row: row["robot"])
+    return {robot: found[robot] for robot in [*(r for r in ENVS if r in found), *found]}
 
 
 def _success(page: Page, key: str, robot: str, rows: Rows) -> None:
     known = published().success.get(robot, {})
+    columns: dict[str, dict[str, Estimate]] = {}
     for group, part in {"all": rows, **groups(rows)}.items():
-        found = estimates(_in_order(part), "success_rate")
+        found = columns[group] = estimates(_in_order(part), "success_rate")
         beside = {label: known[label] for label in found if label in known and group == "all"}
-        count = len(different(part, "task"))
         page.figure(
             f"success-{key}-{group}",
-            f"{robot}, success on {group} tasks ({count})",
+            f"{robot}: success on {group} tasks ({len(different(part, 'task'))})",
             lambda path, f=found, b=beside: bars(
                 path, f, label="success rate", beside=b, citation=published().citation, most=1.0
             ),
         )
-        head = ("", "here", "published") if beside else ("", "here")
-        lines = [(x, e, known.get(x))[: len(head)] for x, e in found.items()]
-        page.table(f"success-{key}-{group}", head, lines)
+    names = columns.pop("all")
+    lines = [
+        (label, one, known.get(label), *(found.get(label) for found in columns.values()))
+        for label, one in names.items()
+    ]
+    page.table(f"success-{key}", ("", "all tasks", "published", *columns), lines)
 
 
 def _over_time(page: Page, key: str, robot: str, rows: Rows) -> None:
@@ -83,13 +97,13 @@ def _over_time(page: Page, key: str, robot: str, rows: Rows) -> None:
     clock, unit = ("cpu_seconds", "processor") if processor else ("seconds", "wall-clock")
     page.figure(
         f"curves-{key}",
-        f"{robot}, success over training time",
+        f"{robot}: success over training time",
         lambda path: curves(path, named, clock=clock, label=f"training time [s], {unit}"),
     )
     found = estimates(named, f"train_{clock}")
     page.figure(
         f"seconds-{key}",
-        f"{robot}, training time until the run ended, evaluations included, compilation not",
+        f"{robot}: training time until the run ended, evaluations included, compilation not",
         lambda path: bars(path, found, label=f"seconds, {unit}"),
     )
     lines = []

@@ -16,6 +16,9 @@ from studio.bench.statistics import Estimate
 
 Cell = str | int | float | None | Estimate
 
+FOLDED = 14
+"""Rows from which a table is folded."""
+
 STYLE = """
 :root{color-scheme:light dark;--ink:#1c2430;--dim:#5d6878;--line:#d9dee6;--ground:#fff;
 --stripe:#f6f8fa}
@@ -28,8 +31,8 @@ h1{font-size:1.7rem}h2{margin-top:2.6rem;border-bottom:1px solid var(--line);pad
 font-variant-numeric:tabular-nums}th{text-align:left;font-weight:600}
 td,th{border-bottom:1px solid var(--line);padding:.25rem .8rem .25rem 0;white-space:nowrap;
 vertical-align:top}tr:nth-child(even) td{background:var(--stripe)}
-figure{margin:1.2rem 0 .4rem}img{max-width:100%}figcaption,.origin,small{color:var(--dim);
-font-size:.85rem}nav a{margin-right:1rem}a{color:inherit}
+figure{margin:1.6rem 0 .4rem}img{max-width:100%}figcaption{font-weight:600;margin-bottom:.3rem}
+nav a{margin-right:1rem}a,summary{color:var(--dim)}summary{cursor:pointer}
 """
 
 
@@ -117,10 +120,9 @@ def _html(part: dict[str, Any]) -> str:
         case {"kind": "figure", "key": key, "caption": caption}:
             name = escape(key)
             return (
-                f'<figure><picture><source srcset="{name}-dark.png" '
-                f'media="(prefers-color-scheme: dark)"><img src="{name}.png" '
-                f'alt="{escape(caption)}"></picture><figcaption>{escape(caption)}</figcaption>'
-                "</figure>"
+                f"<figure><figcaption>{escape(caption)}</figcaption><picture>"
+                f'<source srcset="{name}-dark.png" media="(prefers-color-scheme: dark)">'
+                f'<img src="{name}.png" alt="{escape(caption)}"></picture></figure>'
             )
         case {"head": head, "rows": rows}:
             names = "".join(f"<th>{escape(name)}</th>" for name in head)
@@ -128,5 +130,8 @@ def _html(part: dict[str, Any]) -> str:
                 f"<tr>{''.join(f'<td>{escape(shown_cell(cell))}</td>' for cell in row)}</tr>"
                 for row in rows
             )
-            return f'<div class="scroll"><table><tr>{names}</tr>{body}</table></div>'
+            table = f'<div class="scroll"><table><tr>{names}</tr>{body}</table></div>'
+            if len(rows) <= FOLDED:
+                return table
+            return f"<details><summary>{len(rows)} rows</summary>{table}</details>"
     raise AssertionError(part)
