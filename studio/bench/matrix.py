@@ -55,8 +55,11 @@ DEFAULT = "default"
 
 ALL = "all"
 
-BESIDE = ("exact",)
-"""What may be named beside the methods; `studio.bench.others` knows them."""
+PEERS = ("sb3-ppo", "sbx-ppo")
+"""Other libraries' learners, which may be named beside the methods."""
+
+BESIDE = (*PEERS, "exact", "rtamt", "stljax", "sentil")
+"""All that may be named; `studio.bench.others` knows them."""
 
 Names = Annotated[tuple[str, ...], Meta(min_length=1)]
 
@@ -126,6 +129,13 @@ class Matrix(msgspec.Struct, frozen=True):
 
     title: str
     jobs: tuple[Job, ...]
+
+
+def on_processor(job: Job) -> Job:
+    """The job with its budget of seconds, if it has one, in seconds of the processor."""
+    if job.seconds is None or job.method in BESIDE and job.method not in PEERS:
+        return job
+    return msgspec.structs.replace(job, seconds=None, cpu_seconds=job.seconds)
 
 
 def shipped_matrices() -> list[str]:

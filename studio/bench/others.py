@@ -15,6 +15,8 @@ from scenes import load_task, scene_formula
 from scenes.outlines import setting_of
 from studio.bench.horizons import with_horizon
 from studio.bench.matrix import Job
+from studio.bench.peers.learners import LIBRARIES, learn
+from studio.bench.peers.robustness import RIVALS, compare
 from studio.runs.exact import SECONDS, replayed
 from studio.runs.json_documents import plain
 
@@ -43,7 +45,21 @@ def exact(job: Job) -> dict[str, Any]:
     }
 
 
-OTHERS: MappingProxyType[str, Measured] = MappingProxyType({"exact": exact})
+def _robustness(job: Job) -> dict[str, Any]:
+    """Robustness by the library that the job names, and by ours; the task does not matter."""
+    began, cpu_began = time.perf_counter(), time.process_time()
+    return {
+        "cases": compare(job.method),
+        "train_seconds": time.perf_counter() - began,
+        "train_cpu_seconds": time.process_time() - cpu_began,
+        "curve": [],
+        "configuration": "{}",
+    }
+
+
+OTHERS: MappingProxyType[str, Measured] = MappingProxyType(
+    {"exact": exact, **dict.fromkeys(LIBRARIES, learn), **dict.fromkeys(RIVALS, _robustness)}
+)
 """By name."""
 
 

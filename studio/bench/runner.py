@@ -52,7 +52,7 @@ def run_jobs(
     """
     store.open()
     failed: list[Outcome] = []
-    with _alone(store.folder):
+    with alone(store.folder):
         missing = (job for job in jobs if not store.finished(job.key))
         for outcome in _outcomes(store, missing, processes):
             if outcome.failure:
@@ -131,7 +131,7 @@ def _last_lines(log: Path) -> str:
 
 
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
+def alone(folder: Path) -> Iterator[None]:
     """Keep others from adding to the store; the system lets go of it however this process ends."""
     lock = FileLock(folder / "lock", blocking=False)
     try:

@@ -38,6 +38,18 @@ _MAP = pa.struct(
     }
 )
 
+_CASE = pa.struct(
+    {
+        "case": pa.string(),
+        "formula": pa.string(),
+        "first_seconds": pa.float64(),  # of the library, compilation included
+        "seconds": pa.float64(),
+        "own_first_seconds": pa.float64(),
+        "own_seconds": pa.float64(),
+        "difference": pa.float64(),  # m, the largest
+    }
+)
+
 SCHEMA = pa.schema(
     {
         "key": pa.string(),
@@ -70,6 +82,7 @@ SCHEMA = pa.schema(
         "critic_scores": pa.list_(pa.float32()),  # of random schedules
         "critic_robustness": pa.list_(pa.float32()),  # m, of their rollouts
         "critic_map": _MAP,
+        "cases": pa.list_(_CASE),  # of robustness by another library
         "started": pa.string(),  # ISO 8601, UTC
         "revision": pa.string(),
         "versions": pa.map_(pa.string(), pa.string()),

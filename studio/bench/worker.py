@@ -47,8 +47,11 @@ LOST = 3
 """Exit status of a process whose runner has ended."""
 
 
-def measure(job: Job, concurrent: int = 1) -> dict[str, Any]:
-    """Train, evaluate, and return the row of a run; a job that is not allowed is `refused`."""
+def measure(job: Job, concurrent: int | None = 1) -> dict[str, Any]:
+    """Train, evaluate, and return the row of a run; a job that is not allowed is `refused`.
+
+    `concurrent` runs go on at the same time on this machine, as far as is known.
+    """
     began, cpu_began = time.perf_counter(), time.process_time()
     scene = load_task(job.task)
     row: dict[str, Any] = {

@@ -106,7 +106,6 @@ def _rtamt(formula: Formula) -> Evaluate:
         found = []
         for trace in traces:
             columns = {f"margin_{n}": trace[:, i].tolist() for i, n in enumerate(NAMES)}
-            specification.reset()
             found.append(specification.evaluate({"time": steps, **columns})[0][1])
         return np.array(found)
 

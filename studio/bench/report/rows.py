@@ -5,11 +5,15 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from studio.bench.matrix import BESIDE, DEFAULT
+from core.methods import METHODS
+from studio.bench.matrix import DEFAULT, PEERS
 from studio.bench.statistics import Estimate, over_seeds
 
 Row = Mapping[str, Any]
 Rows = Sequence[Row]
+
+LEARNERS = (*METHODS, *PEERS)
+"""What learns, and is compared by success."""
 
 GROUPS = {"two-layer": range(1, 6), "multi-layer": range(6, 11)}
 """The paper's groups of formulas, by the number of the task."""
@@ -28,7 +32,7 @@ def job_of(row: Row) -> dict[str, Any]:
 
 def main(rows: Rows, *, stretched: bool = False) -> Rows:
     """Runs of presets: those of the tasks as they are, or those with a horizon of their own."""
-    own = [row for row in rows if row["variant"] == DEFAULT and row["method"] not in BESIDE]
+    own = [row for row in rows if row["variant"] == DEFAULT and row["method"] in LEARNERS]
     return [row for row in own if is_stretched(row) == stretched]
 
 

@@ -16,10 +16,14 @@ from studio.bench.report.comparison import beaten, comparison
 from studio.bench.report.critic import critics
 from studio.bench.report.optimality import optimality
 from studio.bench.report.page import Page, html
+from studio.bench.report.peers import peers
 from studio.bench.report.rows import Rows, by, different
 from studio.bench.report.sweeps import horizons
 from studio.bench.store import Store
 from studio.runs.json_documents import plain
+
+SECTIONS = (beaten, comparison, ablations, horizons, critics, optimality, peers)
+"""What stands on the page, in this order."""
 
 TITLE = "Benchmark of TGPO Studio"
 
@@ -38,7 +42,8 @@ def write_report(store: Store) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         page = Page(folder)
-        for section in (_origin, beaten, comparison, ablations, horizons, critics, optimality):
+        _origin(page, done)
+        for section in SECTIONS:
             section(page, done)
         _refused(page, [row for row in rows if row["status"] == "refused"])
         summary = json.dumps(plain(_summary(page, done)), indent=1) + "\n"

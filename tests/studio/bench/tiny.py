@@ -55,7 +55,7 @@ def row(success: float, seconds: float = 10.0, **changes: Any) -> dict[str, Any]
         **{n: getattr(made, n) for n in ("task", "method", "mode", "variant", "weights", "seed")},
         "success_rate": success,
         "robustness_mean": 0.1,
-        **{"middle_robustness": None, "bound": None, "critic_map": None},
+        **{"middle_robustness": None, "bound": None, "critic_map": None, "cases": None},
         **{"critic_scores": None, "critic_robustness": None},
         **{"epochs": 10, "env_steps": 1000, "train_seconds": seconds, "compile_seconds": 1.0},
         **{"stopped": "epochs", "train_cpu_seconds": seconds / 2, "cpu_seconds": seconds},
