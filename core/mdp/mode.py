@@ -34,6 +34,11 @@ class Mode(Protocol):
         """Whether exploring starts lie within stays too."""
         ...
 
+    @property
+    def early_end(self) -> bool:
+        """Whether an episode ends as soon as it has failed; nothing is learnt from then on."""
+        ...
+
     def begin(self, mdp: GroundedMdp, state: Array, tau: Array) -> tuple[Episode, Any]:
         """Episode that starts in a state [n] at step tau, and what is sensed there."""
         ...

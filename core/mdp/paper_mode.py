@@ -13,10 +13,10 @@ The paper's h is written with p' on both sides of p' = p + 1(r' = 2); we read th
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
-import jax
 import jax.numpy as jnp
 
 from core.documents import Positive, Share, Weight
+from core.mdp.augmented import augmented_state
 from core.mdp.episode import (
     Checks,
     Episode,
@@ -52,6 +52,15 @@ class PaperMode:
     scale: Positive = 1.0
     exploring: Share = 0.0
     gradual_stays: bool = False
+    time: bool = True
+    """Whether the time index tau is in the state (Table 1b: t)."""
+    flags: bool = True
+    """Whether p_prev, p, r and chi are in the state (Table 1b: flags)."""
+
+    @property
+    def early_end(self) -> bool:
+        """Never: episodes last until the horizon."""
+        return False
 
     def begin(self, mdp: GroundedMdp, state: Array, tau) -> tuple[Episode, PaperSense]:
         """Episode that starts in `state` [n] at step `tau` with no progress."""
@@ -123,22 +132,9 @@ class PaperMode:
         return achieved & (episode.robustness > -jnp.inf)
 
     def policy_features(self, mdp: GroundedMdp, episode: Episode, sense: PaperSense) -> Array:
-        """The augmented state and the schedule (Sec. 4.2), scaled to about one."""
+        """The augmented state and the schedule (Sec. 4.2)."""
         del sense
-        windows, robot = mdp.windows, mdp.problem.robot
-        size = windows.order.shape[0]
-        horizon = mdp.problem.formula.horizon
-        return jnp.concatenate(
-            [
-                robot.position(episode.state) / (5 * robot.length),
-                robot.observe(episode.state),
-                jnp.stack([episode.tau / horizon, episode.previous_progress / size]),
-                jax.nn.one_hot(episode.progress, size + 1),
-                jax.nn.one_hot(episode.certificate, 3),
-                episode.satisfied,
-                windows.schedule / horizon,
-            ]
-        )
+        return augmented_state(mdp, episode, time=self.time, flags=self.flags)
 
     def critic_features(
         self, mdp: GroundedMdp, episode: Episode, sense: PaperSense, features: Array

@@ -17,13 +17,14 @@ one, lambda_4 for a violation.
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from msgspec import Meta
 
 from core.documents import Positive, Share, Weight
+from core.mdp.augmented import augmented_state
 from core.mdp.dangers import coming_checks, nearest_dangers
 from core.mdp.episode import (
     Checks,
@@ -36,11 +37,12 @@ from core.mdp.episode import (
     worst_open_constraint,
 )
 from core.mdp.grounded import GroundedMdp
-from core.task.problem import Problem, closed_doors, data_at, extended_margins
+from core.mdp.way import geodesic_way, straight_way
+from core.task.problem import Problem, closed_doors, extended_margins
 from core.task.protocols import Array
 from core.task.sites import center_at
 from core.task.sizes import STANDARD
-from core.task.windows import Windows, field_index
+from core.task.windows import Windows
 
 VARIABLES_SEEN, LEGS_SEEN = STANDARD.variables, STANDARD.subgoals
 """What the critic sees of schedules and legs, whatever the sizes of the formula's arrays."""
@@ -88,6 +90,16 @@ class StudioMode:
     """How many of the tasks closest to being violated are perceived; 1 in version 1."""
     ahead: Annotated[tuple[Positive, ...], Meta(max_length=4)] = ()
     """Distances in robot lengths at which the way's further direction is perceived."""
+    fields: bool = True
+    """Whether ways lead around the obstacles; if not, straight to the subgoal."""
+    early_end: bool = True
+    """Whether an episode ends at the first violated task or when all is decided.
+
+    If not, at the horizon; violated constraints are paid at every step."""
+    features: bool = True
+    """Whether the networks see features that are the same for every task.
+
+    If not, the paper's augmented state."""
 
     def begin(self, mdp: GroundedMdp, state: Array, tau) -> tuple[Episode, Sense]:
         """Episode that starts in `state` [n] at step `tau`, as if all before had gone well."""
@@ -147,6 +159,9 @@ class StudioMode:
             + self.violation * (worst_open_constraint(sense.checks) < 0)
         )
         reward = jnp.where(is_sound(episode.state), reward, self.violation)
+        if not self.early_end:
+            over = tau >= mdp.problem.formula.horizon
+            return self.scale * reward, over | ~is_sound(episode.state)
         return self.scale * reward, (alive == 0) | (tau >= windows.last)
 
     def _earned(self, windows: Windows, tau: Array, alive: Array, gained: Array) -> Array:
@@ -167,6 +182,8 @@ class StudioMode:
 
         For d = 2: 17 numbers, 3 for each danger, and the robot's own.
         """
+        if not self.features:
+            return augmented_state(mdp, episode)
         problem, windows, robot = mdp.problem, mdp.windows, mdp.problem.robot
         last = windows.order.shape[0] - 1
         rank, following = jnp.minimum(sense.rank, last), jnp.minimum(sense.rank + 1, last)
@@ -217,6 +234,8 @@ class StudioMode:
 
         Of a longer mission, the first variables and the next legs: as many as weights know.
         """
+        if not self.features:
+            return features
         windows = mdp.windows
         horizon = mdp.problem.formula.horizon
         first = jnp.clip(windows.count - LEGS_SEEN, 0, sense.rank)
@@ -240,29 +259,13 @@ class StudioMode:
         rank, holding = _target(windows, tau)
         live = (rank < windows.count).astype(jnp.float32)
         doors = closed_doors(problem, windows.constraint_start, windows.constraint_end, tau)
-        subgoal = windows.order[jnp.minimum(rank, windows.order.shape[0] - 1)]
-        index = field_index(problem.formula, subgoal, doors)
-        way = partial(problem.world.field, _data_due(problem, windows, rank, tau), index)
-        distance, direction = way(position)
-        steps = problem.robot.length * jnp.diff(jnp.asarray(self.ahead), prepend=0.0)
-        point, following, ahead = position, direction, []
-        for step in steps:
-            point = point + step * following
-            _, following = way(point)
-            ahead.append(following)
-        directions = jnp.stack(ahead) if ahead else jnp.zeros((0, *position.shape))
+        if self.fields:
+            way = geodesic_way(problem, windows, tau, position, rank, doors, self.ahead)
+        else:
+            way = straight_way(checks, rank, self.ahead)
         coming = None if problem.sites is None else coming_checks(problem, windows, tau, state)
-        return Sense(
-            checks, coming, distance * live, direction, directions, rank, doors, live, holding
-        )
-
-
-def _data_due(problem: Problem, windows: Windows, rank: Array, tau: Array) -> Any:
-    """The world's data when the subgoal of a rank opens, or at the next step if that is later."""
-    if problem.sites is None:
-        return problem.data
-    start = windows.start[jnp.minimum(rank, windows.order.shape[0] - 1)]
-    return data_at(problem, jnp.maximum(start, tau + 1))
+        distance = way.distance * live
+        return Sense(checks, coming, distance, way.direction, way.ahead, rank, doors, live, holding)
 
 
 def _centers(problem: Problem, windows: Windows, tau: Array) -> Array:

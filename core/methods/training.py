@@ -83,6 +83,8 @@ class Progress:
     env_steps: int
     train_seconds: float
     compile_seconds: float
+    cpu_seconds: float
+    """Processor seconds of all threads of this process, since the first of these epochs began."""
     batch_success: float
     """Share of the epoch's first episodes, as they were explored, that succeeded."""
     batch_return: float
@@ -114,7 +116,7 @@ def train(task: Task, config: TrainingConfig, resume: RunState | None = None) ->
     compile_seconds = compile_together(
         *learner.jobs(state.learner), *rollout_jobs(task, controller, learner.evaluation_states)
     )
-    began = time.perf_counter() - float(state.seconds)
+    began, cpu_began = time.perf_counter() - float(state.seconds), time.process_time()
     while not _done(state, config, began):
         number = int(state.epoch) + 1
         learnt, epoch = learner.epoch(state.learner, number)
@@ -140,6 +142,7 @@ def train(task: Task, config: TrainingConfig, resume: RunState | None = None) ->
             number * learner.steps_per_epoch,
             float(state.seconds),
             compile_seconds,
+            time.process_time() - cpu_began,
             epoch.success,
             epoch.mean_reward,
             epoch.diverged,

@@ -27,11 +27,17 @@ class RunOptions:
     """Run what a file asks for, except what is finished already."""
 
     matrix: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME|FILE.toml")]]
-    """smoke, paper, ablation or horizon, or a file of one's own (see studio/bench/matrix.py)."""
+    """One of smoke, paper, comparison, horizon, ablation, paper-ablation, paper-mode, or a file of
+    one's own (see studio/bench/matrix.py)."""
     out: Where
     """Folder of the store; runs of several files may share it."""
-    processes: Annotated[int, tyro.conf.arg(metavar="INT")] = 1
-    """Runs at the same time; more than one disturb each other's seconds."""
+    processes: Annotated[int | None, tyro.conf.arg(metavar="INT", aliases=["--jobs"])] = None
+    """Runs at the same time, each kept to its share of the cores; one if nothing is said, on a
+    cluster as many as it has cores."""
+    cpu_budgets: bool = False
+    """Take budgets of seconds as seconds of the processor, for a machine that does other things."""
+    ray: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    """Address of a Ray cluster that carries out the runs; `local` begins one on this machine."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,8 @@ class ReportOptions:
 
     folder: tyro.conf.Positional[Where]
     """Folder of the store."""
+    docs: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder in which benchmarks.md and benchmarks.json are written, too."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,27 +66,37 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: RunOptions) -> int:
-    if not 1 <= options.processes <= MOST_PROCESSES:
+    if options.processes is not None and not 1 <= options.processes <= MOST_PROCESSES:
         raise UserError(f"--processes: {options.processes} must be from 1 to {MOST_PROCESSES}")
-    from studio.bench.matrix import load_matrix  # noqa: PLC0415
+    from studio.bench.cluster import run_on_cluster  # noqa: PLC0415
+    from studio.bench.matrix import load_matrix, on_processor  # noqa: PLC0415
     from studio.bench.progress import Reporter  # noqa: PLC0415
     from studio.bench.runner import run_jobs  # noqa: PLC0415
     from studio.bench.store import Store  # noqa: PLC0415
 
     matrix, store = load_matrix(options.matrix), Store(options.out)
-    done = sum(store.finished(job.key) for job in matrix.jobs)
-    with Reporter(len(matrix.jobs), done) as told:
-        failed = run_jobs(store, matrix.jobs, processes=options.processes, told=told)
-    counts = {"runs": len(matrix.jobs), "already_finished": done, "failed": len(failed)}
+    jobs = [on_processor(job) for job in matrix.jobs] if options.cpu_budgets else matrix.jobs
+    done = sum(store.finished(job.key) for job in jobs)
+    with Reporter(len(jobs), done) as told:
+        if options.ray is None:
+            failed = run_jobs(store, jobs, processes=options.processes or 1, told=told)
+        else:
+            failed = run_on_cluster(
+                store, jobs, address=options.ray, processes=options.processes, told=told
+            )
+    counts = {"runs": len(jobs), "already_finished": done, "failed": len(failed)}
     print(json.dumps({"matrix": matrix.title, **counts, "out": str(options.out)}))
     return FAILED if failed else 0
 
 
 def _report(options: ReportOptions) -> int:
-    from studio.bench.report import write_report  # noqa: PLC0415
+    from studio.bench.report import write_docs, write_report  # noqa: PLC0415
     from studio.bench.store import Store  # noqa: PLC0415
 
-    print(write_report(Store(options.folder)))
+    page = write_report(Store(options.folder))
+    print(page)
+    if options.docs is not None:
+        print(write_docs(page.parent / "summary.json", options.docs))
     return 0
 
 

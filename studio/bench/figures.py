@@ -1,7 +1,9 @@
-"""The report's figures."""
+"""The report's figures, in a light and a dark theme."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import matplotlib
@@ -12,122 +14,239 @@ from matplotlib import pyplot as plt
 
 from studio.bench.statistics import Estimate, curve_at, interval
 
-PUBLISHED_COLOR, OWN_COLOR = "#c9ced6", "#3b6fb6"
 DPI = 130
+LONGEST = 13
+"""Characters of a line below a bar."""
+
 POINTS = 200
 """Of a curve."""
 
-ON_BAR: dict[str, Any] = {
-    "textcoords": "offset points",
-    "ha": "center",
-    "size": 6,
-    "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.8, "alpha": 0.8},
+OWN, PUBLISHED, SECOND = "#4c86c6", "#9aa4b2", "#e08a3c"
+CYCLE = ("#4c86c6", "#e08a3c", "#5aa469", "#c65f5f", "#8f74c2", "#a0785a", "#d17fb5", "#8a929e")
+
+THEMES: dict[str, dict[str, str]] = {
+    "light": {"ink": "#1c2430", "ground": "#ffffff", "grid": "#e4e8ee"},
+    "dark": {"ink": "#dfe4ea", "ground": "#14181e", "grid": "#2b323c"},
 }
-"""How the number of runs stands on its bar."""
+"""Colours of the page's themes."""
+
+
+@contextmanager
+def themed(name: str) -> Iterator[None]:
+    """Figures that are drawn meanwhile have the colours of a theme."""
+    theme = THEMES[name]
+    style = {
+        **dict.fromkeys(
+            ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"),
+            theme["ink"],
+        ),
+        **dict.fromkeys(
+            ("figure.facecolor", "axes.facecolor", "savefig.facecolor"), theme["ground"]
+        ),
+        "grid.color": theme["grid"],
+        "axes.grid": True,
+        "axes.grid.axis": "y",
+        "axes.axisbelow": True,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.prop_cycle": plt.cycler(color=CYCLE),
+        "font.size": 9,
+    }
+    with plt.rc_context(style):
+        yield
 
 
 def bars(
     path: Path,
-    title: str,
     estimates: Mapping[str, Estimate],
     *,
     label: str,
     beside: Mapping[str, float] | None = None,
     citation: str = "",
+    most: float | None = None,
 ) -> None:
-    """A bar for each name, with its interval and its number of runs.
+    """A bar for each name, with its interval and its number of runs below.
 
     Args:
         path: of the PNG.
-        title: above.
         estimates: by name.
         label: of the axis.
         beside: published figures of some names, drawn beside them.
         citation: of the published figures.
+        most: that a value can be.
     """
     names, beside = list(estimates), beside or {}
     place, width = np.arange(len(names)), 0.38 if beside else 0.6
-    figure, axes = plt.subplots(figsize=(max(4.5, 1.1 * len(names) + 1.5), 3.4))
+    figure, axes = plt.subplots(figsize=(max(4.5, 0.95 * len(names) + 1.2), 3.6))
     shift = width / 2 if beside else 0.0
-    means = [estimates[name].mean for name in names]
+    means = np.array([estimates[name].mean for name in names])
     widths = np.nan_to_num([estimates[name].half_width for name in names])
-    axes.bar(place + shift, means, width, color=OWN_COLOR, yerr=widths, capsize=3, label="here")
+    low, high = np.minimum(widths, means), widths
+    if most is not None:
+        high = np.minimum(widths, most - means)
+        axes.set_ylim(0, 1.04 * most)
+    axes.bar(place + shift, means, width, color=OWN, label="here")
+    seen = widths > 0
+    whiskers = {"fmt": "none", "ecolor": plt.rcParams["text.color"], "capsize": 3, "lw": 1}
+    axes.errorbar((place + shift)[seen], means[seen], np.array([low, high])[:, seen], **whiskers)
     if beside:
         heights = [beside.get(name, np.nan) for name in names]
-        axes.bar(place - shift, heights, width, color=PUBLISHED_COLOR, label=citation)
+        axes.bar(place - shift, heights, width, color=PUBLISHED, label=citation)
         _legend(axes)
-    for x, name in zip(place, names, strict=True):
-        estimate = estimates[name]
-        note = f"{estimate.runs} runs\n{estimate.seeds} seeds"
-        axes.annotate(note, (x + shift, 0), (0, 2), **ON_BAR)
-    axes.set_xticks(place, names, rotation=25, ha="right", size=8)
+    axes.set_xticks(place, [_named(name, estimates[name]) for name in names], size=7.5)
+    axes.tick_params(axis="x", length=0)
     axes.set_ylabel(label)
-    axes.set_title(title, size=10)
     _save(figure, path)
 
 
-def curves(path: Path, title: str, rows_by_name: Mapping[str, Sequence[Mapping[str, Any]]]) -> None:
-    """Success rate over training time, a line for each name: the mean over seeds, with interval."""
-    figure, axes = plt.subplots(figsize=(5.6, 3.4))
-    longest = max(row["train_seconds"] for rows in rows_by_name.values() for row in rows)
+def curves(
+    path: Path,
+    rows_by_name: Mapping[str, Sequence[Mapping[str, Any]]],
+    *,
+    clock: str = "seconds",
+    label: str = "training time [s]",
+) -> None:
+    """Success over training time, a line for each name: the mean over seeds, with interval.
+
+    Args:
+        path: of the PNG.
+        rows_by_name: rows of the store.
+        clock: column of the curves that is the time, `seconds` or `cpu_seconds`.
+        label: of the time.
+    """
+    figure, axes = plt.subplots(figsize=(6.4, 4.2))
+    longest = max(row[f"train_{clock}"] for rows in rows_by_name.values() for row in rows)
     seconds = np.linspace(0, longest, POINTS)
     for name, rows in rows_by_name.items():
         seeds = sorted({row["seed"] for row in rows})
         per_seed = np.array(
             [
-                np.mean([curve_at(r["curve"], seconds) for r in rows if r["seed"] == s], axis=0)
+                np.mean(
+                    [curve_at(r["curve"], seconds, clock) for r in rows if r["seed"] == s], axis=0
+                )
                 for s in seeds
             ]
         )
         mean, width = np.array([interval(column) for column in per_seed.T.tolist()]).T
-        (line,) = axes.plot(seconds, mean, label=f"{name} ({len(rows)} runs, {len(seeds)} seeds)")
+        (line,) = axes.plot(seconds, mean, label=f"{name} ({_counts(len(rows), len(seeds))})")
         if len(seeds) > 1:
             low, high = np.clip([mean - width, mean + width], 0, 1)
-            axes.fill_between(seconds, low, high, color=line.get_color(), alpha=0.2)
-    axes.set_xlabel("training time [s]")
+            axes.fill_between(seconds, low, high, color=line.get_color(), alpha=0.15, lw=0)
+    axes.set_xlabel(label)
     axes.set_ylabel("success rate")
-    axes.set_ylim(-0.02, 1.02)
-    axes.set_title(title, size=10)
+    axes.set_ylim(-0.02, 1.04)
     _legend(axes)
     _save(figure, path)
 
 
 def sweep(
     path: Path,
-    title: str,
     estimates: Mapping[int, Estimate],
     *,
     label: str,
     beside: Mapping[int, float] | None = None,
     citation: str = "",
+    most: float | None = None,
 ) -> None:
     """A quantity over the horizon [steps], with its intervals and numbers of runs."""
-    figure, axes = plt.subplots(figsize=(5.6, 3.4))
+    figure, axes = plt.subplots(figsize=(6.4, 3.6))
     steps = sorted(estimates)
-    means = [estimates[step].mean for step in steps]
+    means = np.array([estimates[step].mean for step in steps])
     widths = np.nan_to_num([estimates[step].half_width for step in steps])
-    axes.errorbar(steps, means, widths, color=OWN_COLOR, marker="o", capsize=3, label="here")
+    high = widths if most is None else np.minimum(widths, most - means)
+    whiskers = np.array([np.minimum(widths, means), high])
+    axes.errorbar(steps, means, whiskers, color=OWN, marker="o", capsize=3, label="here")
     if beside:
         given = sorted(beside)
-        heights = [beside[step] for step in given]
-        axes.plot(given, heights, "s--", color="#888e99", label=citation)
+        axes.plot(given, [beside[step] for step in given], "s--", color=PUBLISHED, label=citation)
         _legend(axes)
-    for step, mean in zip(steps, means, strict=True):
-        note = f"{estimates[step].runs} runs"
-        axes.annotate(note, (step, mean), (0, -12), textcoords="offset points", size=6)
-    axes.set_ylim(0, 1.15 * max(means + list((beside or {}).values())))
+    axes.set_xscale("log")
+    axes.minorticks_off()
+    counted = [
+        f"{step}\n{_counts(estimates[step].runs, estimates[step].seeds, chr(10))}" for step in steps
+    ]
+    axes.set_xticks(steps, counted, size=7.5)
+    largest = max([*means, *(beside or {}).values()])
+    axes.set_ylim(0, 1.04 * most if most is not None else 1.2 * largest)
     axes.set_xlabel("horizon T [steps]")
     axes.set_ylabel(label)
-    axes.set_title(title, size=10)
     _save(figure, path)
 
 
+def scatters(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """The critic's scores against robustness, and the success above each score, a task each."""
+    figure, grid = _grid(len(rows))
+    for row, axes in zip(rows, grid, strict=False):
+        score = np.asarray(row["critic_scores"])
+        value = np.asarray(row["critic_robustness"])
+        axes.scatter(score, value, s=3, color=OWN, alpha=0.35, lw=0)
+        axes.axhline(0, color=plt.rcParams["text.color"], lw=0.6)
+        order = np.argsort(-score)
+        share = np.cumsum(value[order] >= 0) / np.arange(1, score.size + 1)
+        other = axes.twinx()
+        other.plot(score[order], share, color=SECOND, lw=1.4)
+        other.set_ylim(-0.03, 1.05)
+        other.grid(False)
+        other.tick_params(colors=SECOND, labelsize=7)
+        axes.tick_params(labelsize=7)
+        axes.set_title(f"{row['task']}, seed {row['seed']}", size=8.5)
+    figure.supxlabel("critic", size=9)
+    figure.supylabel("robustness [m] (dots)", size=9, color=OWN)
+    figure.text(1.0, 0.5, "success above (line)", rotation=270, va="center", color=SECOND, size=9)
+    _save(figure, path)
+
+
+def maps(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """The critic's scores over two times, a task each."""
+    figure, grid = _grid(len(rows))
+    for row, axes in zip(rows, grid, strict=False):
+        found = row["critic_map"]
+        first, second = np.asarray(found["first"]), np.asarray(found["second"])
+        scores = np.asarray(found["scores"], float).reshape(second.size, first.size)
+        axes.grid(False)
+        axes.imshow(
+            np.ma.masked_invalid(scores),
+            origin="lower",
+            aspect="auto",
+            extent=(first[0] - 0.5, first[-1] + 0.5, second[0] - 0.5, second[-1] + 0.5),
+        )
+        axes.tick_params(labelsize=7)
+        axes.set_title(f"{row['task']}, seed {row['seed']}", size=8.5)
+    figure.supxlabel("first time variable [steps]", size=9)
+    figure.supylabel("second [steps]", size=9)
+    _save(figure, path)
+
+
+def _grid(count: int) -> tuple[Any, list[Any]]:
+    """Axes for so many small pictures, five in a row; those that are left over are not there."""
+    columns = min(count, 5)
+    lines = -(-count // columns)
+    size = (max(4.0, 2.1 * columns), 2.0 * lines + 0.6)
+    figure, grid = plt.subplots(lines, columns, figsize=size, squeeze=False)
+    found = grid.ravel().tolist()
+    for axes in found[count:]:
+        axes.remove()
+    return figure, found[:count]
+
+
+def _named(name: str, estimate: Estimate) -> str:
+    """A bar's name, with its counts."""
+    lines = [line for part in name.split(", ") for line in wrap(part, LONGEST)]
+    return "\n".join([*lines, _counts(estimate.runs, estimate.seeds, "\n")])
+
+
+def _counts(runs: int, seeds: int, between: str = ", ") -> str:
+    ran = "1 run" if runs == 1 else f"{runs} runs"
+    return f"{ran}{between}{'1 seed' if seeds == 1 else f'{seeds} seeds'}"
+
+
 def _legend(axes: Any) -> None:
-    """Below the axes, where it hides nothing."""
-    axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=2, frameon=False)
+    """Above the axes, where it hides nothing."""
+    where = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.01)}
+    axes.legend(fontsize=7.5, ncols=2, frameon=False, **where)
 
 
 def _save(figure: Any, path: Path) -> None:
     figure.tight_layout()
-    figure.savefig(path, dpi=DPI)
+    figure.savefig(path, dpi=DPI, bbox_inches="tight", pad_inches=0.12)
     plt.close(figure)

@@ -8,16 +8,19 @@
 
     [[runs]]                       # as many products as one likes
     tasks = ["linear", "panda-08"] # a robot's name stands for its ten tasks
-    methods = ["tgpo-star"]        # or ["all"]
+    methods = ["tgpo-star"]        # or ["all"]; "exact": the exact planner, for comparison
     modes = ["studio"]             # studio, paper
     variants = ["default", "no-pruning"]
     weights = ["none"]             # none, shipped
     horizons = [50, 100]           # [steps]; none: the scene's. All intervals are stretched alike
     seeds = [1007, 1008]
-    epochs = 60                    # and seconds, target, evaluate_every: the budget
+    epochs = 60                    # and seconds, cpu_seconds, target, evaluate_every: the budget
+    critic_samples = 4096          # schedules on which the critic is held against robustness
 
-The files that come with the program are named without their ending: `smoke`, `paper`, `ablation`,
-`horizon`.
+`seconds` are wall-clock, `cpu_seconds` those of the processor, summed over the threads of a run: a
+machine that does other things too leaves them as they are. What is used up first ends a run.
+
+The files that come with the program are named without their ending: `smoke`, `comparison`, ...
 """
 
 import hashlib
@@ -52,6 +55,12 @@ DEFAULT = "default"
 
 ALL = "all"
 
+PEERS = ("sb3-ppo", "sbx-ppo")
+"""Other libraries' learners, which may be named beside the methods."""
+
+BESIDE = (*PEERS, "exact", "rtamt", "stljax", "sentil")
+"""All that may be named; `studio.bench.others` knows them."""
+
 Names = Annotated[tuple[str, ...], Meta(min_length=1)]
 
 
@@ -67,8 +76,10 @@ class _Runs(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     seeds: Annotated[tuple[Annotated[int, Meta(ge=0, le=2**31 - 1)], ...], Meta(min_length=1)]
     epochs: Annotated[int, Meta(ge=1, le=10**6)] | None = None
     seconds: Annotated[float, Meta(gt=0, le=10**7)] | None = None
+    cpu_seconds: Annotated[float, Meta(gt=0, le=10**7)] | None = None
     target: Annotated[float, Meta(gt=0, le=10**6)] | None = None
     evaluate_every: Annotated[int, Meta(ge=1, le=10**6)] | None = None
+    critic_samples: Annotated[int, Meta(ge=0, le=10**5)] = 0
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
@@ -80,7 +91,7 @@ class _File(msgspec.Struct, forbid_unknown_fields=True, kw_only=True):
     runs: Annotated[list[_Runs], Meta(min_length=1)]
 
 
-class Job(msgspec.Struct, frozen=True, kw_only=True):
+class Job(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One training, fully described: the same job gives the same result."""
 
     task: str
@@ -95,8 +106,13 @@ class Job(msgspec.Struct, frozen=True, kw_only=True):
     seed: int
     epochs: int | None
     seconds: float | None
+    """Wall-clock [s], compilation apart."""
+    cpu_seconds: float | None = None
+    """Of the processor [s], compilation apart."""
     target: float | None
     evaluate_every: int | None
+    critic_samples: int = 0
+    """Random schedules whose score and robustness are kept, with a map of the critic."""
 
     @property
     def key(self) -> str:
@@ -113,6 +129,13 @@ class Matrix(msgspec.Struct, frozen=True):
 
     title: str
     jobs: tuple[Job, ...]
+
+
+def on_processor(job: Job) -> Job:
+    """The job with its budget of seconds, if it has one, in seconds of the processor."""
+    if job.seconds is None or job.method in BESIDE and job.method not in PEERS:
+        return job
+    return msgspec.structs.replace(job, seconds=None, cpu_seconds=job.seconds)
 
 
 def shipped_matrices() -> list[str]:
@@ -186,8 +209,10 @@ def _jobs(runs: _Runs, variants: dict[str, dict[str, Any]], where: str) -> Itera
             seed=seed,
             epochs=runs.epochs,
             seconds=runs.seconds,
+            cpu_seconds=runs.cpu_seconds,
             target=runs.target,
             evaluate_every=runs.evaluate_every,
+            critic_samples=runs.critic_samples,
         )
 
 
@@ -203,13 +228,17 @@ def _tasks(names: Sequence[str], where: str) -> list[str]:
 
 def _methods(names: Sequence[str], where: str) -> list[str]:
     for name in names:
-        if name != ALL and name not in METHODS:
-            raise UserError(f"{where}.methods: unknown {name!r}. {allowed(name, [ALL, *METHODS])}")
-    return list(METHODS) if ALL in names else list(dict.fromkeys(names))
+        known = [ALL, *METHODS, *BESIDE]
+        if name not in known:
+            raise UserError(f"{where}.methods: unknown {name!r}. {allowed(name, known)}")
+    every = list(METHODS) if ALL in names else []
+    return list(dict.fromkeys([*every, *(name for name in names if name != ALL)]))
 
 
 def _check_variant(changes: dict[str, Any], method: str, mode: str, where: str) -> None:
     """Refuse hyper-parameters that the method does not have, before hours are spent."""
+    if changes and method in BESIDE:
+        raise UserError(f"{where}: {method} has no hyper-parameters here")
     if changes:
         config = make_config(load_task("linear-demo"), mode=mode, method=method, weights="none")
         changed(config.training.algorithm, changes, method, mode, where)

@@ -17,7 +17,9 @@ class Published(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     horizon: dict[str, float]
     """Of TGPO* on the two-layer Linear tasks, by number of steps."""
     sampling: dict[str, tuple[float, float]]
-    """By variant of the ablation: mean and standard deviation over seeds."""
+    """By variant of the ablation (Table 1a): mean and standard deviation over seeds."""
+    parts: dict[str, tuple[float, float]]
+    """By parts of state and reward (Table 1b), the same."""
 
 
 @cache

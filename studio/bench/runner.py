@@ -4,6 +4,7 @@ Whoever interrupts it, by Ctrl-C or by `kill -9`, loses the runs that were under
 else: started again, it goes on with those and the rest.
 """
 
+import os
 import subprocess
 import sys
 from collections import deque
@@ -11,13 +12,16 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from queue import SimpleQueue
 from typing import IO, NamedTuple
 
 import msgspec
 from filelock import FileLock, Timeout
 
 from core.errors import UserError
+from studio.bench.cores import bounded, dealt, own_cores
 from studio.bench.matrix import Job
+from studio.bench.order import Order
 from studio.bench.store import Store
 
 LOG_LINES = 3
@@ -40,7 +44,7 @@ def run_jobs(
     Args:
         store: gets a row for each.
         jobs: in the order in which they are begun.
-        processes: that run at the same time.
+        processes: that run at the same time, each on its share of the cores if there are several.
         told: is called as each ends.
 
     Raises:
@@ -48,7 +52,7 @@ def run_jobs(
     """
     store.open()
     failed: list[Outcome] = []
-    with _alone(store.folder):
+    with alone(store.folder):
         missing = (job for job in jobs if not store.finished(job.key))
         for outcome in _outcomes(store, missing, processes):
             if outcome.failure:
@@ -61,10 +65,21 @@ def _outcomes(store: Store, jobs: Iterator[Job], processes: int) -> Iterator[Out
     """Run jobs, so many at a time; those under way end with this generator."""
     running: set[Future[Outcome]] = set()
     alive: deque[subprocess.Popen[str]] = deque()
+    slots: SimpleQueue[tuple[int, ...]] = SimpleQueue()
+    for cores in dealt(own_cores(), processes):
+        slots.put(cores)
+
+    def run(job: Job) -> Outcome:
+        cores = slots.get()
+        try:
+            return _run(store, Order(job, processes, cores), alive)
+        finally:
+            slots.put(cores)
+
     with ThreadPoolExecutor(processes) as pool:
         try:
             for job in jobs:
-                running.add(pool.submit(_run, store, job, alive))
+                running.add(pool.submit(run, job))
                 if len(running) == processes:
                     done, running = wait(running, return_when=FIRST_COMPLETED)
                     yield from (future.result() for future in done)
@@ -76,8 +91,9 @@ def _outcomes(store: Store, jobs: Iterator[Job], processes: int) -> Iterator[Out
                 process.kill()
 
 
-def _run(store: Store, job: Job, alive: deque[subprocess.Popen[str]]) -> Outcome:
+def _run(store: Store, order: Order, alive: deque[subprocess.Popen[str]]) -> Outcome:
     """Run one job in a process, and wait for it."""
+    job = order.job
     command = [sys.executable, "-m", "studio.bench.worker", str(store.folder)]
     with store.log(job.key).open("w", encoding="utf-8") as log:
         process = subprocess.Popen(
@@ -86,10 +102,11 @@ def _run(store: Store, job: Job, alive: deque[subprocess.Popen[str]]) -> Outcome
             stdout=log,
             stderr=subprocess.STDOUT,
             text=True,
+            env=os.environ | bounded(order.cores),
             start_new_session=True,  # Ctrl-C is for the runner, which ends it
         )
         alive.append(process)
-        _send(process.stdin, job)
+        _send(process.stdin, order)
         status = process.wait()
         alive.remove(process)
     assert process.stdin is not None
@@ -100,11 +117,11 @@ def _run(store: Store, job: Job, alive: deque[subprocess.Popen[str]]) -> Outcome
     return Outcome(job, f"exit status {status}: {_last_lines(store.log(job.key))}")
 
 
-def _send(pipe: IO[str] | None, job: Job) -> None:
-    """Send a job; the pipe stays open, as its end ends the process."""
+def _send(pipe: IO[str] | None, order: Order) -> None:
+    """Send an order; the pipe stays open, as its end ends the process."""
     assert pipe is not None
     with suppress(BrokenPipeError):  # the process has ended, and its log says why
-        pipe.write(msgspec.json.encode(job).decode() + "\n")
+        pipe.write(msgspec.json.encode(order).decode() + "\n")
         pipe.flush()
 
 
@@ -114,7 +131,7 @@ def _last_lines(log: Path) -> str:
 
 
 @contextmanager
-def _alone(folder: Path) -> Iterator[None]:
+def alone(folder: Path) -> Iterator[None]:
     """Keep others from adding to the store; the system lets go of it however this process ends."""
     lock = FileLock(folder / "lock", blocking=False)
     try:

@@ -51,8 +51,13 @@ def interval(sample: Sequence[float]) -> tuple[float, float]:
     return mean, error * float(stats.t.ppf((1 + CONFIDENCE) / 2, count - 1))
 
 
-def curve_at(curve: Sequence[Mapping[str, Any]], seconds: np.ndarray) -> np.ndarray:
-    """Success rate of a training's last evaluation at some times [K]; 0 before the first."""
-    times = np.array([point["seconds"] for point in curve])
+def curve_at(
+    curve: Sequence[Mapping[str, Any]], seconds: np.ndarray, clock: str = "seconds"
+) -> np.ndarray:
+    """Success rate of a training's last evaluation at some times [K]; 0 before the first.
+
+    `clock` is the column of the evaluations that the times refer to.
+    """
+    times = np.array([point[clock] for point in curve])
     rates = np.array([0.0, *(point["success_rate"] for point in curve)])
     return rates[np.searchsorted(times, seconds, side="right")]

@@ -23,9 +23,30 @@ _POINT = pa.struct(
     {
         "epoch": pa.int64(),
         "seconds": pa.float64(),
+        "cpu_seconds": pa.float64(),
         "env_steps": pa.int64(),
         "success_rate": pa.float64(),
         "robustness_mean": pa.float64(),
+    }
+)
+
+_MAP = pa.struct(
+    {
+        "first": pa.list_(pa.int64()),  # steps, of the first variable
+        "second": pa.list_(pa.int64()),
+        "scores": pa.list_(pa.float32()),  # row by row; NaN where legs are too short
+    }
+)
+
+_CASE = pa.struct(
+    {
+        "case": pa.string(),
+        "formula": pa.string(),
+        "first_seconds": pa.float64(),  # of the library, compilation included
+        "seconds": pa.float64(),
+        "own_first_seconds": pa.float64(),
+        "own_seconds": pa.float64(),
+        "difference": pa.float64(),  # m, the largest
     }
 )
 
@@ -44,13 +65,24 @@ SCHEMA = pa.schema(
         "seed": pa.int64(),
         "success_rate": pa.float64(),
         "robustness_mean": pa.float64(),  # m
+        "middle_robustness": pa.float64(),  # m, from the middle of the initial set; Linear only
+        "bound": pa.float64(),  # m, that no trace from there exceeds; of the exact planner
         "epochs": pa.int64(),
         "env_steps": pa.int64(),
+        "stopped": pa.string(),  # by what the training ended: target, epochs, seconds, cpu_seconds
         "train_seconds": pa.float64(),  # evaluations during training included, compilation not
+        "train_cpu_seconds": pa.float64(),  # the same, of all threads of the processor
         "compile_seconds": pa.float64(),
         "wall_seconds": pa.float64(),  # all of the run, from the process's start on
+        "cpu_seconds": pa.float64(),  # the same, of all threads of the processor
+        "concurrent": pa.int64(),  # runs at the same time on this machine, itself included
+        "cores": pa.int64(),  # that the run was allowed to use
         "peak_bytes": pa.int64(),
         "curve": pa.list_(_POINT),  # the evaluations during training
+        "critic_scores": pa.list_(pa.float32()),  # of random schedules
+        "critic_robustness": pa.list_(pa.float32()),  # m, of their rollouts
+        "critic_map": _MAP,
+        "cases": pa.list_(_CASE),  # of robustness by another library
         "started": pa.string(),  # ISO 8601, UTC
         "revision": pa.string(),
         "versions": pa.map_(pa.string(), pa.string()),

@@ -180,7 +180,7 @@ def settle(
     mdps = jax.tree.map(lambda leaf: leaf[front.slot % count], plan.mdps)
     mdps = mdps._replace(problem=problem)
     after, reward, ends = jax.vmap(partial(advance, mode), (AXES, 0, 0))(mdps, view, states)
-    alive = view.episode.alive > 0
+    alive = view.episode.alive > 0 if mode.early_end else jnp.ones(count, bool)
     ends = ends | ~alive
     finished = front.first & ends
     reached = jax.vmap(mode.succeeded, (AXES, 0))(mdps, after.episode)

@@ -8,7 +8,7 @@ from core.methods import METHODS
 from core.stl import horizon, parse
 from scenes import load_task, scene_formula, task_names
 from studio.bench.horizons import stretched, with_horizon
-from studio.bench.matrix import Job, load_matrix, parse_matrix, shipped_matrices
+from studio.bench.matrix import Job, load_matrix, on_processor, parse_matrix, shipped_matrices
 from studio.bench.worker import configuration
 from tests.studio.bench.tiny import TINY, job
 
@@ -49,6 +49,20 @@ def test_shipped_files_can_be_read(name):
 
 def test_the_smoke_file_has_every_method():
     assert {one.method for one in load_matrix("smoke").jobs} == set(METHODS)
+
+
+def test_budgets_can_be_taken_in_seconds_of_the_processor():
+    taken = on_processor(job(seconds=30.0))
+    assert (taken.seconds, taken.cpu_seconds) == (None, 30.0) and taken.key != job().key
+    for same in (job(), job(cpu_seconds=4.0), job(method="exact", seconds=9.0)):
+        assert on_processor(same) is same
+    assert on_processor(job(method="sb3-ppo", seconds=9.0)).cpu_seconds == 9.0
+
+
+def test_a_job_without_newer_fields_keeps_its_key():
+    text = msgspec.json.encode(job()).decode()
+    assert "cpu_seconds" not in text and "critic_samples" not in text
+    assert configuration(job()).training.seed == 1
 
 
 def test_a_variant_changes_hyper_parameters():

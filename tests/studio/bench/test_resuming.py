@@ -13,6 +13,7 @@ from filelock import FileLock
 
 from studio.bench.cli import main
 from studio.bench.matrix import parse_matrix
+from studio.bench.order import Order
 from studio.bench.store import SCHEMA, Store
 from studio.bench.worker import LOST, measure
 from tests.studio.bench.tiny import TINY, job
@@ -80,6 +81,9 @@ def test_a_row_says_all_about_its_run(resumed):
         assert row["epochs"] == 2 and [point["epoch"] for point in row["curve"]] == [1, 2]
         assert 0 <= row["success_rate"] <= 1 and row["wall_seconds"] > row["train_seconds"] > 0
         assert row["peak_bytes"] > 10**8
+        assert row["stopped"] == "epochs" and row["concurrent"] == 1 and row["cores"] >= 1
+        assert row["cpu_seconds"] > row["train_cpu_seconds"] > 0
+        assert row["curve"][-1]["cpu_seconds"] <= row["train_cpu_seconds"]
         assert row["versions"]["jax"] and row["machine"]["cores"]
         assert json.loads(row["job"])["changes"]["hidden"] == [16]
         assert json.loads(row["configuration"])["algorithm"]["environments"] == 16
@@ -92,7 +96,7 @@ def test_a_process_ends_with_its_runner(tmp_path):
         env=ENVIRONMENT,
     )
     assert worker.stdin is not None
-    worker.stdin.write(msgspec.json.encode(job(epochs=10**6)) + b"\n")
+    worker.stdin.write(msgspec.json.encode(Order(job(epochs=10**6))) + b"\n")
     worker.stdin.close()
     assert worker.wait(PATIENCE) == LOST
     assert not list(tmp_path.iterdir())
@@ -114,6 +118,15 @@ def test_a_run_that_breaks_down_is_told_and_not_kept(tmp_path, capsys, monkeypat
     assert [line["failure"] for line in lines] == ["exit status 1: nothing was said"] * 2
     assert last["failed"] == 2
     assert Store(tmp_path / "store").rows() == []
+
+
+def test_a_budget_of_processor_seconds_ends_a_run(tmp_path):
+    (tiny, _) = parse_matrix(
+        TINY.replace("epochs = 2", "epochs = 100000\ncpu_seconds = 0.5"), "t"
+    ).jobs
+    row = measure(tiny, concurrent=2)
+    assert (row["stopped"], row["concurrent"]) == ("cpu_seconds", 2)
+    assert row["train_cpu_seconds"] >= 0.5 and 1 <= row["epochs"] < 100000
 
 
 def test_what_is_not_allowed_is_kept_as_refused():

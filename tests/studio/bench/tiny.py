@@ -35,7 +35,7 @@ def job(**changes: Any) -> Job:
     default: dict[str, Any] = {
         **{"task": "linear-01", "method": "tgpo-star", "mode": "studio", "variant": "default"},
         **{"changes": {}, "weights": "none", "horizon": None, "seed": 1, "epochs": 2},
-        **{"seconds": None, "target": None, "evaluate_every": None},
+        **{"seconds": None, "cpu_seconds": None, "target": None, "evaluate_every": None},
     }
     return Job(**(default | changes))
 
@@ -45,7 +45,8 @@ def row(success: float, seconds: float = 10.0, **changes: Any) -> dict[str, Any]
     import msgspec
 
     made = job(**changes)
-    point = {"epoch": 5, "seconds": seconds / 2, "env_steps": 9, "robustness_mean": 0.0}
+    point = {"epoch": 5, "seconds": seconds / 2, "cpu_seconds": seconds / 3}
+    point |= {"env_steps": 9, "robustness_mean": 0.0}
     return {
         "key": made.key,
         "status": "finished",
@@ -54,7 +55,11 @@ def row(success: float, seconds: float = 10.0, **changes: Any) -> dict[str, Any]
         **{n: getattr(made, n) for n in ("task", "method", "mode", "variant", "weights", "seed")},
         "success_rate": success,
         "robustness_mean": 0.1,
+        **{"middle_robustness": None, "bound": None, "critic_map": None, "cases": None},
+        **{"critic_scores": None, "critic_robustness": None},
         **{"epochs": 10, "env_steps": 1000, "train_seconds": seconds, "compile_seconds": 1.0},
+        **{"stopped": "epochs", "train_cpu_seconds": seconds / 2, "cpu_seconds": seconds},
+        **{"concurrent": 1, "cores": 2},
         **{"wall_seconds": seconds + 3, "peak_bytes": 10**9, "started": "2026-11-29T09:00:00"},
         "curve": [point | {"success_rate": success}],
         "revision": "abc",

@@ -35,6 +35,7 @@ class Probe:
     scale: float = 1.0
     exploring: float = 0.0
     gradual_stays: bool = False
+    early_end: bool = True
 
     def begin(self, mdp, state, tau):
         del mdp

@@ -1,0 +1,1 @@
+"""What people would take elsewhere: other libraries' learners and robustness, measured here."""
