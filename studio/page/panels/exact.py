@@ -53,16 +53,21 @@ def verdict_text(search: Search) -> str:
     plan, stopped = search.plan, search.watch.stop.is_set()
     assert plan is not None
     end = "Stopped" if stopped else f"The time limit of {search.limit:.0f} s was reached"
-    reached = math.nan if search.recording is None else search.recording.robustness
+    reached, carried = plan.robustness, search.recording
     bound = "" if not math.isfinite(plan.bound) else f"; proved bound {plan.bound:.2f} m"
-    took = f" ({plan.seconds:.1f} s)"
+    violated = carried is not None and not carried.satisfied  # as between the steps
+    remark = f" Carried out: {carried.diagnosis.sentence}" if violated else ""
     match plan.status:
         case "optimal":
-            return f"Optimal: robustness {reached:.2f} m, proved bound {plan.bound:.2f} m{took}."
+            values = f"robustness {reached:.2f} m, proved bound {plan.bound:.2f} m"
+            return f"Optimal: {values} ({plan.seconds:.1f} s).{remark}"
         case "infeasible":
-            return f"Infeasible, proved: nothing from this start satisfies the formula{took}."
+            return (
+                "Infeasible, proved: nothing from this start satisfies the formula "
+                f"({plan.seconds:.1f} s)."
+            )
         case "feasible":
-            return f"{end}. Best plan so far: robustness {reached:.2f} m{bound}."
+            return f"{end}. Best plan so far: robustness {reached:.2f} m{bound}.{remark}"
         case _:
             return f"{end} before a plan was found or excluded{bound}."
 

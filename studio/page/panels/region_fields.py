@@ -120,7 +120,7 @@ class RegionFields:
         if region is not None and named:
             if self._renaming is None:
                 _set(self._name, "value", region.name)
-            _set(self._color, "value", rgb(self._shown_color(region)))
+            _set(self._color, "value", rgb(self._shown_color(session.editor.whole or region)))
 
     def _show_shape(self, region: Region) -> list[Any]:
         """Fill and return the fields that the region's shape needs."""

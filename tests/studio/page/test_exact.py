@@ -104,12 +104,13 @@ def test_the_button_searches_and_the_plan_is_played(session):
     assert (session.exact.search, exact_html(session)) == (None, "")
 
 
-def search_with(status, bound=0.5, *, stopped=False):
+def search_with(status, bound=0.5, *, stopped=False, holds=True):
     watch = Watch()
     if stopped:
         watch.stop.set()
-    plan = ExactPlan(status, None, -math.inf, bound, 1.0)
-    recording = SimpleNamespace(robustness=0.25) if status == "feasible" else None
+    plan = ExactPlan(status, None, 0.25, bound, 1.0)
+    recording = SimpleNamespace(satisfied=holds, diagnosis=SimpleNamespace(sentence="Violated: B."))
+    recording = recording if status == "feasible" else None
     return Search(SCENE, 60.0, time.monotonic(), watch, plan, recording)  # pyright: ignore
 
 
@@ -119,6 +120,7 @@ def search_with(status, bound=0.5, *, stopped=False):
         (search_with("infeasible", -math.inf), "Infeasible, proved: nothing from this start"),
         (search_with("feasible"), "The time limit of 60 s was reached. Best plan so far: robust"),
         (search_with("feasible", stopped=True), "Stopped. Best plan so far: robustness 0.25 m; pr"),
+        (search_with("feasible", holds=False), "m; proved bound 0.50 m. Carried out: Violated: B."),
         (search_with("unknown"), "before a plan was found or excluded; proved bound 0.50 m."),
     ],
 )
