@@ -55,8 +55,9 @@ def verdict_text(search: Search) -> str:
     end = "Stopped" if stopped else f"The time limit of {search.limit:.0f} s was reached"
     reached, carried = plan.robustness, search.recording
     bound = "" if not math.isfinite(plan.bound) else f"; proved bound {plan.bound:.2f} m"
-    violated = carried is not None and not carried.satisfied  # as between the steps
-    remark = f" Carried out: {carried.diagnosis.sentence}" if violated else ""
+    remark = ""
+    if carried is not None and not carried.satisfied:  # as between the steps
+        remark = f" Carried out: {carried.diagnosis.sentence}"
     match plan.status:
         case "optimal":
             values = f"robustness {reached:.2f} m, proved bound {plan.bound:.2f} m"

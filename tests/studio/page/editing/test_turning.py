@@ -75,6 +75,7 @@ def test_a_polygon_turns_about_where_its_middle_was():
     editor = Editor(document)
     editor.select("C")
     begin = editor.turn_handle
+    assert begin is not None
     assert begin == pytest.approx((1.0, 1.1 + 0.5))
     for phase in ("start", "update", "end"):
         editor.turn(phase, begin if phase == "start" else (-3.0, 0.5))
