@@ -26,7 +26,7 @@ from tests.studio.page.test_page_files import download, upload
 from tests.studio.waiting import wait_for
 
 EPOCHS = 2
-SHORT = 10.0
+SHORT = 60.0
 """After how long a click that nothing came of is repeated [s]."""
 ARENA = ((-7.5, 7.5), (-5.0, 5.0))
 ROOM = ((-6.0, 1.0), (-3.0, 1.0), (-3.0, 2.0), (-5.0, 2.0), (-5.0, 4.0), (-6.0, 4.0))
