@@ -63,8 +63,9 @@ def _connected(address: str) -> Any:
     except ImportError as error:
         raise UserError("--ray needs Ray: pip install 'tgpo-studio[cluster]'") from error
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+    own = {"include_dashboard": False} if address == LOCAL else {}
     try:
-        ray.init(address=address, log_to_driver=False, logging_level="ERROR")
+        ray.init(address=address, log_to_driver=False, logging_level="ERROR", **own)
     except (ConnectionError, OSError, RuntimeError, ValueError) as error:
         first = str(error).strip().splitlines()[0]
         raise UserError(f"--ray: no cluster at {address!r}: {first}") from error

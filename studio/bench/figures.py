@@ -151,23 +151,20 @@ def sweep(
     """A quantity over the horizon [steps], with its intervals and numbers of runs."""
     figure, axes = plt.subplots(figsize=(6.4, 3.6))
     steps = sorted(estimates)
+    places = np.arange(len(steps))
     means = np.array([estimates[step].mean for step in steps])
     widths = np.nan_to_num([estimates[step].half_width for step in steps])
     high = widths if most is None else np.minimum(widths, most - means)
     whiskers = np.array([np.minimum(widths, means), high])
-    axes.errorbar(steps, means, whiskers, color=OWN, marker="o", capsize=3, label="here")
-    if beside:
-        given = sorted(beside)
-        axes.plot(given, [beside[step] for step in given], "s--", color=PUBLISHED, label=citation)
+    axes.errorbar(places, means, whiskers, color=OWN, marker="o", capsize=3, label="here")
+    if beside and not beside.keys().isdisjoint(steps):
+        given = [(place, beside[step]) for place, step in enumerate(steps) if step in beside]
+        axes.plot(*zip(*given, strict=True), "s--", color=PUBLISHED, label=citation)
         _legend(axes)
-    axes.set_xscale("log")
-    axes.minorticks_off()
-    counted = [
-        f"{step}\n{_counts(estimates[step].runs, estimates[step].seeds, chr(10))}" for step in steps
-    ]
-    axes.set_xticks(steps, counted, size=7.5)
-    largest = max([*means, *(beside or {}).values()])
-    axes.set_ylim(0, 1.04 * most if most is not None else 1.2 * largest)
+    counts = [_counts(estimates[step].runs, estimates[step].seeds, "\n") for step in steps]
+    labels = [f"{step}\n{count}" for step, count in zip(steps, counts, strict=True)]
+    axes.set_xticks(places, labels, size=7.5)
+    axes.set_ylim(0, 1.04 * most if most is not None else 1.2 * means.max())
     axes.set_xlabel("horizon T [steps]")
     axes.set_ylabel(label)
     _save(figure, path)

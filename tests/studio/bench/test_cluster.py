@@ -11,21 +11,29 @@ from studio.bench.cli import main
 from studio.bench.matrix import parse_matrix
 from studio.bench.store import Store
 from tests.studio.bench.test_resuming import ENVIRONMENT
-from tests.studio.bench.tiny import TINY
+
+REFUSED = """
+format = 1
+title = "refused: nothing is compiled, and the rows are there all the same"
+
+[[runs]]
+tasks = ["linear-05"]
+horizons = [10]
+seeds = [1, 2]
+"""
 
 
 def arguments(folder):
-    (folder / "tiny.toml").write_text(TINY)
-    return ["run", str(folder / "tiny.toml"), "--out", str(folder / "store"), "--ray", "local"]
+    (folder / "refused.toml").write_text(REFUSED)
+    return ["run", str(folder / "refused.toml"), "--out", str(folder / "store"), "--ray", "local"]
 
 
-def test_every_run_is_kept_and_none_is_repeated(tmp_path, disk_cache):
+def test_every_run_is_kept_and_none_is_repeated(tmp_path):
     pytest.importorskip("ray", reason="needs the extra `cluster`")
     command = [sys.executable, "-m", "studio.bench.cli", *arguments(tmp_path)]
-    jobs, store = parse_matrix(TINY, "tiny").jobs, Store(tmp_path / "store")
+    jobs, store = parse_matrix(REFUSED, "refused").jobs, Store(tmp_path / "store")
     store.open()
-    kept = {"key": jobs[0].key, "status": "finished"}
-    store.add(kept)
+    store.add({"key": jobs[0].key, "status": "finished"})
     found = subprocess.run(
         command, env=ENVIRONMENT, cwd=tmp_path, capture_output=True, text=True, check=False
     )
@@ -34,7 +42,8 @@ def test_every_run_is_kept_and_none_is_repeated(tmp_path, disk_cache):
     assert [line["run"] for line in lines[:-1]] == [jobs[1].key]
     assert (lines[-1]["already_finished"], lines[-1]["failed"]) == (1, 0)
     (row,) = [row for row in store.rows() if row["key"] == jobs[1].key]
-    assert row["status"] == "finished" and row["epochs"] == 2 and row["concurrent"] is None
+    assert row["status"] == "refused" and row["message"] and row["concurrent"] is None
+    assert row["seed"] == 2 and row["wall_seconds"] > 0
 
 
 def test_a_cluster_that_is_not_there_is_said(tmp_path, capsys):
