@@ -7,6 +7,7 @@ must be installed on all of them.
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from importlib import import_module
 from itertools import islice
 from typing import Any
 
@@ -59,7 +60,7 @@ def run_on_cluster(
 
 def _connected(address: str) -> Any:
     try:
-        import ray  # noqa: PLC0415 - an extra
+        ray: Any = import_module("ray")
     except ImportError as error:
         raise UserError("--ray needs Ray: pip install 'tgpo-studio[cluster]'") from error
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")

@@ -11,6 +11,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
+from matplotlib import rcsetup
 
 from studio.bench.statistics import Estimate, curve_at, interval
 
@@ -35,7 +36,7 @@ THEMES: dict[str, dict[str, str]] = {
 def themed(name: str) -> Iterator[None]:
     """Figures that are drawn meanwhile have the colours of a theme."""
     theme = THEMES[name]
-    style = {
+    style: dict[Any, Any] = {
         **dict.fromkeys(
             ("text.color", "axes.labelcolor", "axes.edgecolor", "xtick.color", "ytick.color"),
             theme["ink"],
@@ -49,7 +50,7 @@ def themed(name: str) -> Iterator[None]:
         "axes.axisbelow": True,
         "axes.spines.top": False,
         "axes.spines.right": False,
-        "axes.prop_cycle": plt.cycler(color=CYCLE),
+        "axes.prop_cycle": rcsetup.cycler(color=CYCLE),
         "font.size": 9,
     }
     with plt.rc_context(style):

@@ -159,9 +159,9 @@ def test_the_way_to_a_moving_goal_is_that_to_where_it_is_then(chase, step):
     wall = Region("W", "rectangle", (0.0, 2.0), (0.2, 2.0))
     still = build_task(planar(standing, wall, formula="F_[0:20](A) & G_[0:20](!W)")).problem
     positions = jnp.asarray(np.random.default_rng(2).uniform(-4, 4, (60, 2)), jnp.float32)
-    there = data_at(problem, jnp.float32(step))
-    found = jax.vmap(lambda p: problem.world.field(there, 0, p)[0])(positions)
-    wanted = jax.vmap(lambda p: still.world.field(still.data, 0, p)[0])(positions)
+    there, first = data_at(problem, jnp.float32(step)), jnp.int32(0)
+    found = jax.vmap(lambda p: problem.world.field(there, first, p)[0])(positions)
+    wanted = jax.vmap(lambda p: still.world.field(still.data, first, p)[0])(positions)
     # within a cell of the grid, 0.25 m: the wall appears moved by half a cell at most
     np.testing.assert_allclose(found, wanted, atol=0.3)
     center = center_at(problem.sites, jnp.int32(0), jnp.float32(step))
@@ -259,6 +259,7 @@ def test_the_swept_margin_is_that_of_a_fine_brute_force():
         ways = np.stack([np.interp(fine, np.arange(17), axis) for axis in trace.T], 1)
         worst = np.inf
         for each in (region, ball):
+            assert each.motion is not None
             offset = each.motion.offset(fine)  # a still region, seen from the moving one
             worst = min(worst, float(-margin_of(each, ways - offset).max()))
         found = between(task, trace).margin

@@ -41,7 +41,7 @@ class PathsView:
     def _show(self, scene: Scene, index: int, region: Region, color: tuple[int, int, int]) -> None:
         unit = unit_of(scene)
         points = path_points(region, scene.horizon, LIFT * unit)
-        dark = tuple(value // 2 for value in color)
+        dark = (color[0] // 2, color[1] // 2, color[2] // 2)
         self._server.scene.add_line_segments(
             f"/paths/line{index}",
             np.stack([points[:-1], points[1:]], axis=1).astype(np.float32),

@@ -59,7 +59,7 @@ def test_learners_are_judged_as_the_environment_pays(monkeypatch, disk_cache):
 
     def act(observations, deterministic):
         seen.append((observations, deterministic))
-        return np.tile(np.float32([0.3, 0.1] if deterministic else [-1.0, -1.0]), (4, 1))
+        return np.tile(np.array([0.3, 0.1] if deterministic else [-1.0, -1.0], np.float32), (4, 1))
 
     found = attempted(task, act, len(scene.regions), key)
     assert [one[1] for one in seen] == [True] * task.horizon + [False] * task.horizon
@@ -71,7 +71,7 @@ def test_learners_are_judged_as_the_environment_pays(monkeypatch, disk_cache):
             first, _ = env.reset(options={"position": tuple(start[:2].tolist())})
             ended, reward = False, 0.0
             while not ended:
-                _, reward, ended, _, _ = env.step(np.float32(action))
+                _, reward, ended, _, _ = env.step(np.array(action, np.float32))
             paid.append(reward)
         assert best == pytest.approx(max(paid), abs=1e-5)
     np.testing.assert_allclose(seen[0][0][1], first, atol=1e-5)

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from typing import Any
 
 import pytest
 
@@ -32,7 +33,7 @@ def store(tmp_path_factory):
     exact = {"robustness_mean": 0.6, "middle_robustness": 0.6, "bound": 0.6, "stopped": "optimal"}
     store.add(row(1.0, method="exact", seconds=7.0) | exact)
     values = [index / 10 - 2 for index in range(40)]
-    critic = {"critic_scores": values, "critic_robustness": values}
+    critic: dict[str, Any] = {"critic_scores": values, "critic_robustness": values}
     critic["critic_map"] = {"first": [0, 5], "second": [1, 2, 3], "scores": [1.0] * 5 + [math.nan]}
     store.add(row(0.92, seed=4, critic_samples=40) | critic | {"middle_robustness": 0.3})
     refused = row(0.0, task="linear-02", method="tgpo", seed=9)

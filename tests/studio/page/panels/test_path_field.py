@@ -1,6 +1,7 @@
 """The path of a region as a text, and what the document makes of it."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -91,7 +92,7 @@ def test_a_region_that_becomes_the_initial_set_stands(document):
 
 def test_what_is_wrong_changes_nothing_and_is_said(document):
     name, before = document.scene.region_names[0], document.scene
-    session = SimpleNamespace(document=document)
+    session: Any = SimpleNamespace(document=document)
     field = PathField.__new__(PathField)
     field.apply(session, name, "0: 0, 0; 20")
     assert "must be a step, a colon and a position" in field._wrong
