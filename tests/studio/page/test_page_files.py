@@ -11,6 +11,7 @@ from scenes import load_task, parse_scene
 from scenes.scene import format_scene
 from tests.studio.page.test_page import wait_for_text
 from tests.studio.page.test_page_keep import demo
+from tests.studio.waiting import wait_for
 
 __all__ = ["demo"]
 
@@ -55,11 +56,11 @@ def test_each_file_can_be_read_and_comes_back(demo, page):
 
     upload(page, "Open project", "other.stl.toml", format_scene(load_task("linear-07")).encode())
     wait_for_text(page, ".tg-tree", "Reach(A2, t2)")
-    page.wait_for_selector("image.tg-cells", state="detached")
+    assert wait_for(lambda: demo.session.specification.scene == load_task("linear-07"))
     upload(page, "Load a run or bundle", name="kept.zip", content=bundle)
     wait_for_text(page, ".tg-kept", "Loaded kept.zip")
+    assert wait_for(lambda: demo.session.document.scene == load_task("linear-08"))
     wait_for_text(page, ".tg-verdict", "Satisfied")
-    assert demo.session.document.scene == load_task("linear-08")
 
     upload(page, "Open project", "broken.stl.toml", b"robot = [")
     wait_for_text(page, ".tg-error", "Could not open the file")
