@@ -2,7 +2,7 @@
 
 from scenes import load_task
 from tests.studio.page.test_page import EDITOR, choose_task, studio, wait_for_text
-from tests.studio.waiting import wait_for
+from tests.studio.waiting import PATIENCE, wait_for
 
 __all__ = ["studio"]
 
@@ -46,6 +46,7 @@ def test_a_training_outlives_pages_and_is_the_same_on_all(studio, page):
     assert page.locator(EDITOR).input_value() == FORMULA
     epoch_passes(page, studio)
     second = page.context.browser.new_page()
+    second.set_default_timeout(1000 * PATIENCE)
     second.goto(studio.url)
     epoch_passes(second, studio)
     assert second.locator(EDITOR).input_value() == FORMULA
