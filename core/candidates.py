@@ -61,7 +61,8 @@ def choose_schedules(
     if search is None:
         return jnp.zeros((count, *problem.formula.low.shape), jnp.int32), jnp.zeros(count)
     given = np.asarray(states, np.float32)
-    pool = _drawn(problem, search, key, given)
+    least = count * max(1, search.candidates // SHARED)
+    pool, _ = _pool(problem, search, key, given, least)
     deal = np.random.default_rng(np.asarray(jax.random.key_data(key)))
     dealt = pool[deal.integers(len(pool), size=(count, search.candidates))]
     flat = dealt.reshape(-1, *dealt.shape[2:])
@@ -69,6 +70,24 @@ def choose_schedules(
     scores = scores.reshape(count, -1)
     row, best = np.arange(count), scores.argmax(1)
     return jnp.asarray(dealt[row, best]), jnp.asarray(scores[row, best])
+
+
+def scored_schedules(
+    problem: Problem, controller: Controller, key: Array, states: Array
+) -> tuple[Array, Array]:
+    """A candidate for each state [R, n], whatever its score: schedules [R, V] and scores [R].
+
+    Half of the states have candidates that are drawn forward in time.
+
+    Raises:
+        ValueError: a controller that knows no schedules.
+    """
+    if controller.search is None:
+        raise ValueError("the controller knows no schedules that could be scored")
+    given = np.asarray(states, np.float32)
+    pool, rows = _pool(problem, controller.search, key, given, len(given))
+    schedules = pool[np.unique(rows, return_index=True)[1]]
+    return jnp.asarray(schedules), jnp.asarray(_scores(problem, controller, given, schedules))
 
 
 def candidate_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]]:
@@ -83,18 +102,22 @@ def candidate_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]
     ]
 
 
-def _drawn(problem: Problem, search: Search, key: Array, states: np.ndarray) -> np.ndarray:
-    """A pool of schedules [N, V] for states [R, n]; N is a multiple of `BLOCK`."""
-    wanted = len(states) * max(1, search.candidates // SHARED)
-    blocks = -(-wanted // BLOCK)
-    size = blocks * BLOCK
-    rows = jnp.asarray(states[np.arange(size) * len(states) // size])
+def _pool(
+    problem: Problem, search: Search, key: Array, states: np.ndarray, least: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Schedules [N, V] for states [R, n], and for which of them each is [N], in rising order.
+
+    N is a multiple of `BLOCK`, and `least` or more.
+    """
+    blocks = -(-least // BLOCK)
+    rows = np.arange(blocks * BLOCK) * len(states) // (blocks * BLOCK)
+    repeated = jnp.asarray(states[rows])
     keys = jax.random.split(key, blocks)
     parts = [
-        _draw(problem, keys[i], rows[i * BLOCK : (i + 1) * BLOCK], search=search)[0]
+        _draw(problem, keys[i], repeated[i * BLOCK : (i + 1) * BLOCK], search=search)[0]
         for i in range(blocks)
     ]
-    return np.concatenate([np.asarray(part) for part in parts])
+    return np.concatenate([np.asarray(part) for part in parts]), rows
 
 
 def _scores(

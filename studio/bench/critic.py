@@ -3,20 +3,17 @@
 As in the paper's App. A.6 and Fig. 5. Dimensions: R rollouts of one program, V variables.
 """
 
-from functools import partial
 from typing import Any
 
 import jax
 import numpy as np
 
-from core.compilation import program
+from core.candidates import choose_schedules, ranked, scored_schedules
 from core.controller import Controller
 from core.evaluation import EVALUATION_STATES, rollout_robustness
 from core.heatmap import heatmap
-from core.rollout import choose_schedules, roll_out, start_states
-from core.task.problem import Problem
+from core.rollout import roll_out, start_states
 from core.task.protocols import Array
-from core.task.schedules import Search, feasible_schedules
 from core.task.task import Task
 from studio.runs.tasks import initial_state
 
@@ -31,21 +28,12 @@ def critic_samples(task: Task, controller: Controller, key: Array, count: int) -
     for batch in jax.random.split(key, -(-count // EVALUATION_STATES)):
         start_key, draw_key = jax.random.split(batch)
         states = start_states(task.problem, start_key, count=EVALUATION_STATES)
-        schedules, score = _scored(task.problem, controller, draw_key, states)
+        schedules, score = scored_schedules(task.problem, controller, draw_key, states)
         values.append(rollout_robustness(task, roll_out(task, controller, states, schedules)))
         scores.append(np.asarray(score))
     score, value = np.concatenate(scores)[:count], np.concatenate(values)[:count]
     sound = np.isfinite(score) & np.isfinite(value)
     return {"critic_scores": score[sound].tolist(), "critic_robustness": value[sound].tolist()}
-
-
-@program
-def _scored(
-    problem: Problem, controller: Controller, key: Array, states: Array
-) -> tuple[Array, Array]:
-    """A schedule for each state [R, n]: [R, V], and its score [R]."""
-    schedules = feasible_schedules(problem, controller.search or Search(), key, states)
-    return schedules, jax.vmap(partial(controller.score, problem))(states, schedules)
 
 
 def critic_map(task: Task, controller: Controller, key: Array) -> dict[str, Any]:
@@ -57,9 +45,8 @@ def critic_map(task: Task, controller: Controller, key: Array) -> dict[str, Any]
     if int(task.problem.formula.variables) < 2:
         return {}
     middle = initial_state(task)
-    states = np.repeat(np.asarray(middle)[None], EVALUATION_STATES, axis=0)
-    schedules, _ = choose_schedules(task.problem, controller, key, jax.numpy.asarray(states))
-    found = heatmap(task, controller, middle, np.asarray(schedules[0]), (0, 1))
+    choice = ranked(task.problem, controller, key, middle).schedules[0]
+    found = heatmap(task, controller, middle, choice, (0, 1))
     shown = np.where(found.shortfall > 0, np.nan, found.values)
     return {
         "critic_map": {

@@ -10,20 +10,17 @@ exact verdict. Where more do: Spearman's rank correlation of value and exact rob
 
 import argparse
 import time
-from functools import partial
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from core.answer import tries
-from core.compilation import program, use_disk_cache
+from core.candidates import scored_schedules
+from core.compilation import use_disk_cache
 from core.controller import Controller
 from core.evaluation import trace_robustness
 from core.rollout import roll_out, start_states
-from core.task.problem import Problem
-from core.task.protocols import Array
-from core.task.schedules import Search, feasible_schedules
 from core.task.task import Task
 from core.truth import ranks, spearman
 from scenes import load_task
@@ -47,21 +44,11 @@ def ranked(
     states = jnp.broadcast_to(state, (batch, *state.shape))
     values, margins = [], []
     for key in jax.random.split(draw_key, -(-count // batch)):
-        schedules, scores = scored(task.problem, controller, key, states)
+        schedules, scores = scored_schedules(task.problem, controller, key, states)
         rollout = roll_out(task, controller, states, schedules)
         values.append(np.asarray(scores))
         margins.append(trace_robustness(task, np.asarray(rollout.margins)))
     return np.concatenate(values)[:count], np.concatenate(margins)[:count]
-
-
-@program
-def scored(
-    problem: Problem, controller: Controller, key: Array, states: Array
-) -> tuple[Array, Array]:
-    """A schedule for each state [R, n], half of them drawn forward in time: [R, V], values [R]."""
-    search = controller.search or Search()
-    schedules = feasible_schedules(problem, search, key, states, forward=len(states) // 2)
-    return schedules, jax.vmap(partial(controller.score, problem))(states, schedules)
 
 
 def area(values: np.ndarray, satisfied: np.ndarray) -> float:
