@@ -8,7 +8,7 @@
 import numpy as np
 
 from core.monitor.wording import metres
-from core.stl import Atom, Formula, Not, children, horizon, negation_normal_form, quote_name
+from core.stl import Formula, horizon, literals, negation_normal_form, quote_name
 from core.task.feasibility import Finding, Severity
 from core.task.feasibility.thin import thickness
 from scenes.places import places_of
@@ -23,15 +23,15 @@ def moving_findings(scene: Scene, formula: Formula) -> tuple[Finding, ...]:
         scene: whose regions are meant.
         formula: what is asked.
     """
-    literals = _literals(negation_normal_form(formula))
+    named = set(literals(negation_normal_form(formula)))
     steps = max(scene.horizon, horizon(formula))
     found = []
     for region in scene.regions:
         if region.motion is None:
             continue
-        if (region.name, True) in literals:
+        if (region.name, True) in named:
             found += _leaving(scene, region, steps)
-        if (region.name, False) in literals and not scene.between_steps:
+        if (region.name, False) in named and not scene.between_steps:
             found += _fast(scene, region)
     return tuple(found)
 
@@ -70,13 +70,3 @@ def _fast(scene: Scene, region: Region) -> list[Finding]:
         "formula does not see; `between_steps = true` in the scene forbids that"
     )
     return [Finding(Severity.WARNING, words, (f"!{name}",))]
-
-
-def _literals(formula: Formula) -> set[tuple[str, bool]]:
-    """Names in a formula in negation normal form, and whether they stand without a negation."""
-    match formula:
-        case Atom(name):
-            return {(name, True)}
-        case Not(Atom(name)):
-            return {(name, False)}
-    return {literal for child in children(formula) for literal in _literals(child)}

@@ -2,7 +2,7 @@
 
 from core.stl.english import sentences
 from core.stl.errors import FormulaError
-from core.stl.normal_form import fold_constants, negation_normal_form
+from core.stl.normal_form import fold_constants, literals, negation_normal_form
 from core.stl.parser import MAX_DEPTH, MAX_LENGTH, Reading, parse, read
 from core.stl.plain import one_line
 from core.stl.printer import quote_name, to_math, to_text
@@ -69,6 +69,7 @@ __all__ = [
     "fold_constants",
     "horizon",
     "is_state_formula",
+    "literals",
     "negation_normal_form",
     "one_line",
     "operand_windows",

@@ -14,6 +14,7 @@ from core.stl.syntax import (
     Not,
     Or,
     Until,
+    children,
     conjunction,
     disjunction,
 )
@@ -132,3 +133,13 @@ def _fold_until(formula: Until, left: Formula, right: Formula) -> Formula:
         case _, Constant(value=True):
             return Always(Interval(0, formula.interval.start), left, span=formula.span)
     return replace(formula, left=left, right=right)
+
+
+def literals(formula: Formula) -> list[tuple[str, bool]]:
+    """Atoms of a formula in negation normal form, and whether they stand without a negation."""
+    match formula:
+        case Atom(name=name):
+            return [(name, True)]
+        case Not(operand=Atom(name=name)):
+            return [(name, False)]
+    return [literal for child in children(formula) for literal in literals(child)]

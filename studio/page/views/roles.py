@@ -3,7 +3,7 @@
 from enum import Enum
 
 from core.decompose import Decomposition, Kind, Subtask
-from core.stl import And, Atom, Formula, Not, Or
+from core.stl import literals
 
 
 class Role(Enum):
@@ -22,7 +22,7 @@ def roles(names: tuple[str, ...], decomposition: Decomposition | None) -> dict[s
     if decomposition is None:
         return found
     for task in decomposition.tasks:
-        for name, positive in _literals(task.predicate):
+        for name, positive in literals(task.predicate):
             role = _role(task, positive)
             if _rank(role) > _rank(found.get(name, Role.UNUSED)):
                 found[name] = role
@@ -38,15 +38,3 @@ def _role(task: Subtask, positive: bool) -> Role:
         return Role.GOAL
     fixed = task.start.variables == task.end.variables
     return Role.OBSTACLE if task.kind is Kind.INVARIANT and fixed else Role.DOOR
-
-
-def _literals(predicate: Formula) -> list[tuple[str, bool]]:
-    """Atoms of a state formula in negation normal form, and whether they are unnegated."""
-    match predicate:
-        case Atom(name=name):
-            return [(name, True)]
-        case Not(operand=Atom(name=name)):
-            return [(name, False)]
-        case And(operands=operands) | Or(operands=operands):
-            return [literal for operand in operands for literal in _literals(operand)]
-    return []
