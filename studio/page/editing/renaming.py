@@ -47,12 +47,9 @@ def rename_in_formula(
         formula = parse(text, dt=dt, names=names, horizon=horizon)
     except FormulaError:
         return _replace_words(text, old, quote_name(new))
-    spans = {node.span for node in walk(formula) if node == Atom(old) and node.span is not None}
     wanted = _renamed(formula, old, new)
     after = [new if name == old else name for name in names]
-    spelled = quote_name(new)
-    # With spaces, in case the new name would merge with its neighbour: `A_1U_[0:5](B)`.
-    for candidate in (_replaced(text, spans, spelled), _replaced(text, spans, f" {spelled} ")):
+    for candidate in _spelled(text, formula, old, quote_name(new)):
         if _means(candidate, wanted, names=after, dt=dt, horizon=horizon):
             return candidate
     return to_text(wanted)
@@ -83,10 +80,9 @@ def spread_in_formula(
         formula = parse(text, dt=dt, names=names, horizon=horizon)
     except FormulaError:
         return text
-    spans = {node.span for node in walk(formula) if node == Atom(old) and node.span is not None}
     after = (*(name for name in names if name != old), *parts)
     spelled = f"({' | '.join(map(quote_name, parts))})"
-    for candidate in (_replaced(text, spans, spelled), _replaced(text, spans, f" {spelled} ")):
+    for candidate in _spelled(text, formula, old, spelled):
         try:
             parse(candidate, dt=dt, names=after, horizon=horizon)
         except FormulaError:
@@ -99,6 +95,15 @@ def _renamed(formula: Formula, old: str, new: str) -> Formula:
     if formula == Atom(old):
         return Atom(new)
     return with_children(formula, tuple(_renamed(part, old, new) for part in children(formula)))
+
+
+def _spelled(text: str, formula: Formula, old: str, spelled: str) -> tuple[str, str]:
+    """The formula's text with a name spelled otherwise wherever it refers to the region.
+
+    Also with spaces, in case the spelling would merge with its neighbour: `A_1U_[0:5](B)`.
+    """
+    spans = {node.span for node in walk(formula) if node == Atom(old) and node.span is not None}
+    return _replaced(text, spans, spelled), _replaced(text, spans, f" {spelled} ")
 
 
 def _replaced(text: str, spans: Iterable[Span], spelled: str) -> str:
