@@ -21,6 +21,7 @@ from scenes import (
     GoalGeometry,
     GridWorld,
     Scene,
+    Snapshots,
     goal_geometry,
     inequality_of,
     robot_of,
@@ -30,7 +31,7 @@ from scenes import (
     world_arrays,
     world_of,
 )
-from scenes.compound import Room
+from scenes.compound import Room, padded
 from studio.runs.findings import findings_of, require_possible
 from studio.runs.moving import sites_of, snapshots, with_fields
 from studio.runs.refusals import refusal
@@ -95,18 +96,20 @@ def build_task(
 
     def build(extra: int) -> Task:
         grounding = ground_scene(scene, extra) if extra else least
-        geometry = _geometry(scene, world, grounding, force, geometries)
-        problem = _problem(scene, world, grounding, geometry, ROOM if shared else None)
+        taken = snapshots(scene, world, grounding) if scene.moving else None
+        geometry = _geometry(scene, world, grounding, force, taken, geometries)
+        problem = _problem(scene, world, grounding, geometry, taken, ROOM if shared else None)
         return Task(scene.name, grounding, problem, findings=findings)
 
     return with_enough_visits(build) if visits_extra is None else build(visits_extra)
 
 
-def _geometry(
+def _geometry(  # noqa: PLR0913
     scene: Scene,
     world: GridWorld,
     grounding: Grounding,
     force: bool,
+    taken: Snapshots | None,
     known: dict[Any, GoalGeometry],
 ) -> GoalGeometry | None:
     """Geometry of the places of a formula; that of the same places is made once."""
@@ -121,12 +124,11 @@ def _geometry(
     spared = tuple(force or goal not in asked for goal in goals)
     if not goals:
         return None
-    key = goals, obstacles, spared, padded_steps(grounding.horizon)
+    rows, steps = tuple(range(len(goals))), tuple[int, ...]()
+    if taken is not None:
+        rows, steps = tuple(taken.places.tolist()), tuple(taken.steps.tolist())
+    key = goals, obstacles, spared, rows, steps
     if key not in known:
-        rows, steps = range(len(goals)), []
-        if scene.moving:
-            taken = snapshots(scene, world, grounding)
-            rows, steps = taken.places.tolist(), taken.steps.tolist()
         known[key] = goal_geometry(
             world,
             scene,
@@ -165,11 +167,12 @@ def _at_rest(position: Array, *, robot: Robot) -> Array:
     return robot.rest(jax.random.key(0), position)
 
 
-def _problem(
+def _problem(  # noqa: PLR0913
     scene: Scene,
     world: GridWorld,
     grounding: Grounding,
     geometry: GoalGeometry | None,
+    taken: Snapshots | None,
     room: Room | None,
 ) -> Problem:
     """Pad the geometry to the sizes that programs are compiled for."""
@@ -181,7 +184,6 @@ def _problem(
     center = np.zeros((sizes.subgoals, dimension), np.float32)
     legs = np.zeros((2**sizes.doors, sizes.subgoals, sizes.subgoals), np.float32)
     fields = empty
-    taken = snapshots(scene, world, grounding) if scene.moving else None
     if geometry is not None:
         place = formula.place[: len(grounding.subgoals)]
         if taken is not None:
@@ -190,7 +192,7 @@ def _problem(
         fields = geometry.fields.reshape(-1, *empty.shape[1:])
         inside[:count], center[:count] = geometry.inside[place], geometry.center[place]
         legs[:combinations, :count, :count] = geometry.legs[:, place][:, :, place]
-    padding = np.repeat(empty, _padded_fields(len(fields)) - len(fields), axis=0)
+    padding = np.repeat(empty, padded(len(fields), LEAST_FIELDS) - len(fields), axis=0)
     steps = padded_steps(grounding.horizon)
     whole = np.concatenate([fields, padding])
     data = world_arrays(scene, MAX_ATOMS, whole, steps, world=world, room=room)
@@ -218,14 +220,6 @@ def _inequalities(scene: Scene) -> Inequalities:
     robot = robot_of(scene)
     found = [inequality_of(each, robot) for each in scene.predicates]
     return inequality_arrays(found, robot, len(scene.regions), MAX_ATOMS)
-
-
-def _padded_fields(count: int) -> int:
-    """Fields that programs are compiled for: doubled until they suffice."""
-    padded = LEAST_FIELDS
-    while padded < count:
-        padded *= 2
-    return padded
 
 
 def _on_body(scene: Scene, world: GridWorld, grounding: Grounding) -> jax.Array:
