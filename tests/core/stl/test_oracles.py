@@ -19,48 +19,18 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from core.stl import (
-    Always,
-    And,
-    Atom,
-    Eventually,
-    Formula,
-    Implies,
-    Not,
-    Or,
     TraceError,
-    Until,
     horizon,
     parse,
     robustness,
     robustness_signal,
     satisfied,
 )
+from studio.bench.peers.translation import rtamt_text, stljax_formula
 from tests.strategies import formulas, nested_formulas, traces
 
 NAMES = ("F", "G", "H")
 SLOW = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
-
-
-def rtamt_text(formula: Formula) -> str:
-    match formula:
-        case Atom(name=name):
-            return f"(margin_{name} >= 0)"
-        case Not(operand=operand):
-            return f"(not {rtamt_text(operand)})"
-        case And(operands=operands):
-            return f"({' and '.join(map(rtamt_text, operands))})"
-        case Or(operands=operands):
-            return f"({' or '.join(map(rtamt_text, operands))})"
-        case Implies(left=left, right=right):
-            return f"({rtamt_text(left)} -> {rtamt_text(right)})"
-        case Eventually(interval=(a, b), operand=operand):
-            return f"(eventually[{a},{b}] {rtamt_text(operand)})"
-        case Always(interval=(a, b), operand=operand):
-            return f"(always[{a},{b}] {rtamt_text(operand)})"
-        case Until(interval=(a, b), left=left, right=right):
-            first, second = rtamt_text(left), rtamt_text(right)
-            return f"({first} until[{a},{b}] ({second} and {first}))"
-    raise TypeError(formula)
 
 
 def rtamt_signal(text: str, trace: np.ndarray) -> np.ndarray:
@@ -73,37 +43,6 @@ def rtamt_signal(text: str, trace: np.ndarray) -> np.ndarray:
     columns = {f"margin_{name}": list(trace[:, index]) for index, name in enumerate(NAMES)}
     values = specification.evaluate({"time": list(range(len(trace))), **columns})
     return np.array([value for _, value in values])
-
-
-def stljax_formula(formula: Formula):
-    match formula:
-        case Atom(name=name):
-            column = NAMES.index(name)
-            predicate = stljax.Predicate(name, lambda x: x[..., column])
-            return stljax.GreaterThan(predicate, 0.0)  # pyright: ignore[reportArgumentType]
-        case Not(operand=operand):
-            return stljax.Negation(stljax_formula(operand))
-        case And(operands=operands):
-            return _stljax_chain(stljax.And, operands)
-        case Or(operands=operands):
-            return _stljax_chain(stljax.Or, operands)
-        case Implies(left=left, right=right):
-            return stljax.Implies(stljax_formula(left), stljax_formula(right))
-        case Eventually(interval=interval, operand=operand):
-            return stljax.Eventually(stljax_formula(operand), list(interval))
-        case Always(interval=interval, operand=operand):
-            return stljax.Always(stljax_formula(operand), list(interval))
-        case Until(interval=interval, left=left, right=right):
-            operands = stljax_formula(left), stljax_formula(right)
-            return stljax.Until(*operands, list(interval))
-    raise TypeError(formula)
-
-
-def _stljax_chain(node, operands):
-    first, *rest = map(stljax_formula, operands)
-    for operand in rest:
-        first = node(first, operand)
-    return first
 
 
 @settings(SLOW, max_examples=400)
@@ -132,7 +71,7 @@ def test_against_stljax(formula, margins):
     margins = margins.astype(np.float32)
     decided = STLJAX_STEPS - horizon(formula)
     with jax.numpy_rank_promotion("allow"):
-        oracle = jax.vmap(stljax_formula(formula))(jnp.asarray(margins))[:, :decided]
+        oracle = jax.vmap(stljax_formula(stljax, formula, NAMES))(jnp.asarray(margins))[:, :decided]
     values = robustness_signal(formula, margins, NAMES)
     np.testing.assert_allclose(values, oracle, rtol=0, atol=1e-6)
     np.testing.assert_array_equal(satisfied(formula, margins, NAMES), oracle[:, 0] > 0)
@@ -166,6 +105,6 @@ def test_a_trace_that_ends_too_early_is_refused_not_guessed():
     trace = np.ones((3, 3), np.float32)
     assert np.isinf(rtamt_signal(rtamt_text(formula), trace)[0])
     with jax.numpy_rank_promotion("allow"):
-        assert stljax_formula(formula)(jnp.asarray(trace))[0] == -1e9
+        assert stljax_formula(stljax, formula, NAMES)(jnp.asarray(trace))[0] == -1e9
     with pytest.raises(TraceError, match="needs at least 7"):
         robustness(formula, trace, NAMES)
