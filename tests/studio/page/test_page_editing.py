@@ -68,6 +68,18 @@ def shown_at(page, node):
     return page.evaluate("n => window.__viserMutable.nodePoseData[n]?.position ?? null", node)
 
 
+def wait_until_drawn(page, node, place):
+    """Until a node stands on screen at a place [3], where the pointer meets it."""
+    page.wait_for_function(
+        """([node, place]) => {
+            const drawn = window.__viserMutable.nodeRefFromName[node];
+            const at = drawn?.matrix.elements.slice(12, 15) ?? [Infinity];
+            return Math.hypot(...at.map((x, i) => x - place[i])) < 1e-3;
+        }""",
+        arg=[node, [float(value) for value in place]],
+    )
+
+
 def press(page, text):
     page.locator(f"{LIST} button", has_text=text).first.click()
 
