@@ -7,6 +7,7 @@ import viser
 
 from core.task.sizes import LARGEST
 from core.task.task import Task
+from studio.page.panels.fields import set_changed
 from studio.page.picture import MapView, Picture, time_variables
 from studio.page.session import Session
 
@@ -47,14 +48,14 @@ class MapOptions:
         axes, view = picture.heatmap.axes, self._session.analyst.view
         if view.axes is None:
             for menu, axis in zip(self._axes, axes, strict=False):
-                _set(menu, value=_name(task, axis))
+                set_changed(menu, value=_name(task, axis))
         rest = self._rest(picture)
-        _set(self._others, visible=bool(rest))
+        set_changed(self._others, visible=bool(rest))
         by_hand = self._others.value == HAND
         for index, slider in enumerate(self._sliders):
-            _set(slider, visible=by_hand and index in rest)
+            set_changed(slider, visible=by_hand and index in rest)
             if index in rest and not by_hand:
-                _set(slider, value=picture.choice[index])
+                set_changed(slider, value=picture.choice[index])
 
     def _offer(self) -> None:
         """Fill the menus and sliders for a new task."""
@@ -63,8 +64,8 @@ class MapOptions:
         for index, (menu, slider) in enumerate(zip(self._branches, self._sliders, strict=True)):
             variable = variables[index] if index < len(variables) else None
             branch = variable is not None and variable.kind == "branch"
-            _set(menu, visible=branch)
-            _set(slider, visible=False)
+            set_changed(menu, visible=branch)
+            set_changed(slider, visible=False)
             if variable is None:
                 continue
             if branch:
@@ -74,9 +75,9 @@ class MapOptions:
             else:
                 slider.label = variable.name
                 slider.min, slider.max = variable.low, max(variable.high, variable.low + 1)
-        _set(self._others, visible=False, value=CRITIC)
+        set_changed(self._others, visible=False, value=CRITIC)
         for menu in self._axes:
-            _set(menu, visible=len(times) > 2)
+            set_changed(menu, visible=len(times) > 2)
             if times:
                 menu.options = [variables[index].name for index in times]
 
@@ -137,10 +138,3 @@ def _alternatives(labels: Sequence[str]) -> list[str]:
 
 def _name(task: Task, index: int) -> str:
     return task.grounding.decomposition.variables[index].name
-
-
-def _set(handle, **properties) -> None:
-    """Send only the properties that change."""
-    for name, value in properties.items():
-        if getattr(handle, name) != value:
-            setattr(handle, name, value)

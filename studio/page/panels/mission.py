@@ -11,11 +11,9 @@ from core.errors import UserError
 from scenes import Scene, robot_of, unit_of, workspace_of
 from scenes.arena import Arena
 from studio.page.editing.document import Document
+from studio.page.panels.fields import PAUSE, set_changed
 from studio.page.panels.html import Html, note
 from studio.page.session import Session
-
-PAUSE = 0.6
-"""Pause in typing after which a value is applied [s]."""
 
 FINE = 0.5
 """Step of the arrows at the arena's corners, in units of the scene."""
@@ -105,7 +103,7 @@ class MissionFields:
         scene = session.document.scene
         for what, field in self._plain.items():
             if what not in self._typed:
-                _set(field, "value", getattr(scene, what))
+                set_changed(field, value=getattr(scene, what))
         self._show_arena(scene)
         self._problem.show(note(self._reason(session.document)))
 
@@ -114,10 +112,10 @@ class MissionFields:
         for dimension, corners in self._corners.items():
             for field, values in zip(corners, zip(*arena, strict=True), strict=True):
                 if dimension == scene.dimension and "arena" not in self._typed:
-                    _set(field, "step", FINE * unit_of(scene))
-                    _set(field, "value", tuple(map(float, values)))
-                _set(field, "visible", dimension == scene.dimension)
-        _set(self._own, "visible", scene.arena is not None)
+                    set_changed(field, step=FINE * unit_of(scene))
+                    set_changed(field, value=tuple(map(float, values)))
+                set_changed(field, visible=dimension == scene.dimension)
+        set_changed(self._own, visible=scene.arena is not None)
 
     def _reason(self, document: Document) -> str:
         refused = self._refused
@@ -151,9 +149,3 @@ class MissionFields:
 def _arena(low: Any, high: Any) -> Arena:
     """The arena between the corners in two fields."""
     return tuple((float(a), float(b)) for a, b in zip(low.value, high.value, strict=True))
-
-
-def _set(field: Any, name: str, value: Any) -> None:
-    """Send only what changes."""
-    if getattr(field, name) != value:
-        setattr(field, name, value)

@@ -7,7 +7,6 @@
 The text is applied when typing pauses. A text that cannot be read stays, with the reason beside it.
 """
 
-import time
 from collections.abc import Sequence
 from functools import partial
 
@@ -17,11 +16,9 @@ from core.errors import UserError
 from core.quoting import shown
 from scenes import Region, SceneError
 from scenes.motion import Motion, along, through
+from studio.page.panels.fields import Typing
 from studio.page.panels.html import Html, note
 from studio.page.session import Session
-
-PAUSE = 0.6
-"""Pause in typing after which the text is applied [s]."""
 
 ENDLESS = "per step"
 """Follows a velocity."""
@@ -41,26 +38,24 @@ class PathField:
         self._problem = Html(gui)
         self._wrong = ""
         self._shown: tuple[str, str] = ("", "")
-        self._typed: tuple[str, str, float] | None = None
+        self._typing = Typing[tuple[str, str]]()
         self._name = ""
 
         @self._field.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
-                text = event.target.value[:LONGEST_TEXT]
-                self._typed = self._name, text, time.monotonic() + PAUSE
+                self._typing.put((self._name, event.target.value[:LONGEST_TEXT]))
 
     def draw(self, session: Session) -> None:
         """Apply what was typed when typing pauses; show what was changed elsewhere."""
         region = session.editor.selected if session.editor.selection else None
-        if self._typed is not None and time.monotonic() >= self._typed[2]:
-            (name, text, _), self._typed = self._typed, None
-            session.post(partial(self.apply, session, name, text))
+        if (typed := self._typing.take()) is not None:
+            session.post(partial(self.apply, session, *typed))
         self._name = "" if region is None else region.name
         if self._field.visible != (region is not None):
             self._field.visible = region is not None
         current = (self._name, "" if region is None else path_text(region))
-        if self._typed is None and current != self._shown:
+        if not self._typing.waits and current != self._shown:
             self._shown, self._wrong = current, ""
             self._field.value = current[1]
         self._problem.show(note(self._wrong, "warn"))

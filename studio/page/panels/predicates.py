@@ -1,6 +1,5 @@
 """Predicates of the robot's state as one text, and what counts between the steps."""
 
-import time
 from collections.abc import Sequence
 from functools import partial
 
@@ -10,11 +9,9 @@ from core.errors import UserError
 from core.task.quantities import quantities_of
 from scenes import Predicate, Scene, robot_of
 from studio.page.figures.svg import escape
+from studio.page.panels.fields import Typing, set_changed
 from studio.page.panels.html import Html
 from studio.page.session import Session
-
-PAUSE = 0.6
-"""Pause in typing after which the text is applied [s]."""
 
 LONGEST_TEXT = 4000
 
@@ -32,12 +29,12 @@ class PredicateFields:
                 session.document.scene.between_steps,
                 hint="What must always hold must hold between the steps, too",
             )
-        self._typed: tuple[str, float] | None = None
+        self._typing = Typing[str]()
 
         @self._field.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
-                self._typed = event.target.value[:LONGEST_TEXT], time.monotonic() + PAUSE
+                self._typing.put(event.target.value[:LONGEST_TEXT])
 
         @self._between.on_update
         async def _(event: viser.GuiEvent) -> None:
@@ -47,15 +44,12 @@ class PredicateFields:
     def draw(self, session: Session) -> None:
         """Apply what was typed when typing pauses; show what was changed elsewhere."""
         scene = session.document.scene
-        typed = self._typed
-        if typed is not None and time.monotonic() >= typed[1]:
-            self._typed = None
-            session.post(partial(take, session, typed[0]))
+        if (typed := self._typing.take()) is not None:
+            session.post(partial(take, session, typed))
             self._shown = predicates_text(scene.predicates)
-        elif typed is None and predicates_text(scene.predicates) != self._shown:
+        elif not self._typing.waits and predicates_text(scene.predicates) != self._shown:
             self._shown = self._field.value = predicates_text(scene.predicates)
-        if self._between.value != scene.between_steps:
-            self._between.value = scene.between_steps
+        set_changed(self._between, value=scene.between_steps)
         self._hint.show(_names(scene))
 
 

@@ -15,6 +15,7 @@ from scenes.regions import SHAPES, TURNED
 from studio.page.editing.corners import with_points
 from studio.page.editing.editor import TOOLS, Editor
 from studio.page.editing.selection import INITIAL
+from studio.page.panels.fields import PAUSE, Typing, set_changed
 from studio.page.session import Session
 from studio.page.views.regions import region_look
 from studio.page.views.roles import roles
@@ -32,9 +33,6 @@ ANGLE_DIGITS = 1
 LONGEST_PART = 30
 """Characters of a wrong corner that an error shows."""
 
-PAUSE = 0.6
-"""Pause in typing after which a name is applied and an undo step ends [s]."""
-
 SIZE_LABEL = {
     "circle": "Radius",
     "sphere": "Radius",
@@ -51,8 +49,6 @@ class Typed(NamedTuple):
     """A text, and what it was typed for; applied when typing pauses."""
 
     text: str
-    due: float
-    """Monotonic time [s]."""
     editor: Editor
     selection: str | None
     part: int | None
@@ -80,8 +76,7 @@ class RegionFields:
             "From, to height", (0.0, 1.0), step=FINE, visible=False, hint="Its two ends [m]"
         )
         self._color = gui.add_rgb("Colour", (0, 0, 0), visible=False)
-        self._renaming: Typed | None = None
-        self._cornering: Typed | None = None
+        self._renaming, self._cornering = Typing[Typed](), Typing[Typed]()
         self._spell, self._touched = 0, 0.0
         for field in (*self._centers.values(), *self._sizes.values(), self._levels):
             field.precision = DIGITS
@@ -100,11 +95,9 @@ class RegionFields:
     def draw(self, session: Session) -> None:
         """Show the values of the selected region."""
         self._session = session
-        if self._renaming is not None and time.monotonic() >= self._renaming.due:
-            typed, self._renaming = self._renaming, None
+        if (typed := self._renaming.take()) is not None:
             session.post(partial(self._rename, typed))
-        if self._cornering is not None and time.monotonic() >= self._cornering.due:
-            typed, self._cornering = self._cornering, None
+        if (typed := self._cornering.take()) is not None:
             session.post(partial(self._put_corners, typed))
         region, selection = session.editor.selected, session.editor.selection
         fields = (
@@ -113,41 +106,41 @@ class RegionFields:
         )  # fmt: skip
         shown = [] if region is None else self._show_shape(region)
         for field in fields:
-            _set(field, "visible", field in shown)
+            set_changed(field, visible=field in shown)
         named = region is not None and selection != INITIAL
-        _set(self._name, "visible", named)
-        _set(self._color, "visible", named)
+        set_changed(self._name, visible=named)
+        set_changed(self._color, visible=named)
         if region is not None and named:
-            if self._renaming is None:
-                _set(self._name, "value", region.name)
-            _set(self._color, "value", rgb(self._shown_color(session.editor.whole or region)))
+            if not self._renaming.waits:
+                set_changed(self._name, value=region.name)
+            set_changed(self._color, value=rgb(self._shown_color(session.editor.whole or region)))
 
     def _show_shape(self, region: Region) -> list[Any]:
         """Fill and return the fields that the region's shape needs."""
         fine = FINE * self._session.editor.unit
         center = self._centers[len(region.center)]
-        _set(center, "step", fine)
-        _set(center, "value", region.center)
+        set_changed(center, step=fine)
+        set_changed(center, value=region.center)
         kinds = self._kinds(region)
-        _set(self._kind, "options", kinds if region.kind in kinds else (*kinds, region.kind))
-        _set(self._kind, "value", region.kind)
+        set_changed(self._kind, options=kinds if region.kind in kinds else (*kinds, region.kind))
+        set_changed(self._kind, value=region.kind)
         shown: list[Any] = [center, self._kind]
         if region.kind in SIZE_LABEL:
             size = self._sizes[len(region.size)]
-            _set(size, "step", fine)
-            _set(size, "value", region.size[0] if len(region.size) == 1 else region.size)
-            _set(size, "label", SIZE_LABEL[region.kind])
+            set_changed(size, step=fine)
+            set_changed(size, value=region.size[0] if len(region.size) == 1 else region.size)
+            set_changed(size, label=SIZE_LABEL[region.kind])
             shown.append(size)
         if region.kind in TURNED:
-            _set(self._angle, "value", region.angle)
+            set_changed(self._angle, value=region.angle)
             shown.append(self._angle)
         if region.points:
-            if self._cornering is None:
-                _set(self._corners, "value", corners_text(region.points))
+            if not self._cornering.waits:
+                set_changed(self._corners, value=corners_text(region.points))
             shown.append(self._corners)
         if region.z:
-            _set(self._levels, "step", fine)
-            _set(self._levels, "value", region.z)
+            set_changed(self._levels, step=fine)
+            set_changed(self._levels, value=region.z)
             shown.append(self._levels)
         return shown
 
@@ -169,10 +162,10 @@ class RegionFields:
 
     def _typed(self, text: str) -> Typed:
         editor = self._session.editor
-        return Typed(text, time.monotonic() + PAUSE, editor, editor.selection, editor.part)
+        return Typed(text, editor, editor.selection, editor.part)
 
     def _type_name(self, name: str) -> None:
-        self._renaming = self._typed(name)
+        self._renaming.put(self._typed(name))
 
     def _rename(self, typed: Typed) -> None:
         editor, name, old = self._session.editor, typed.text.strip(), typed.selection
@@ -200,7 +193,7 @@ class RegionFields:
             self._put(replace(region, z=z, center=(), size=()), "change")
 
     def _type_corners(self, text: str) -> None:
-        self._cornering = self._typed(text)
+        self._cornering.put(self._typed(text))
 
     def _put_corners(self, typed: Typed) -> None:
         editor, text, place = self._session.editor, typed.text, (typed.selection, typed.part)
@@ -290,9 +283,3 @@ def _size_for(kind: str, size: tuple[float, ...]) -> tuple[float, ...]:
     if count == 2 and SHAPES[kind].dimension == 3:
         return size[0], size[-1]
     return (*size, *[size[-1]] * count)[:count]
-
-
-def _set(field: Any, name: str, value: Any) -> None:
-    """Send only what changes."""
-    if getattr(field, name) != value:
-        setattr(field, name, value)

@@ -12,6 +12,7 @@ from scenes import Scene
 from studio.page import exact
 from studio.page.editing.meaning import stale_text
 from studio.page.panels.exact import exact_html
+from studio.page.panels.fields import set_changed
 from studio.page.panels.html import Html, note
 from studio.page.panels.progress import share_done, status_html
 from studio.page.session import Session
@@ -70,7 +71,7 @@ class TrainingPanel:
         training = session.training
         self._show_buttons(session, training)
         self._settings.draw(session)
-        _set(
+        set_changed(
             self._bar,
             visible=training.phase not in (Phase.IDLE, Phase.LOADED),
             animated=training.running,
@@ -86,18 +87,20 @@ class TrainingPanel:
         wrong = bool(session.specification.error)
         exactly, queueing = session.exactly, training.busy
         trains = not queueing or (session.stale and session.queued is None)
-        _set(
+        set_changed(
             self._train,
             label="Plan exactly" if exactly else "Train next" if queueing else "Train",
             visible=not session.exact.running if exactly else trains,
             disabled=wrong,
         )
-        _set(self._end, visible=session.exact.running)
-        _set(self._halt, visible=training.running)
-        _set(self._resume, visible=training.phase is Phase.PAUSED)
+        set_changed(self._end, visible=session.exact.running)
+        set_changed(self._halt, visible=training.running)
+        set_changed(self._resume, visible=training.phase is Phase.PAUSED)
         ended = training.phase in (Phase.DONE, Phase.STOPPED, Phase.LOADED, Phase.FAILED)
-        _set(self._longer, visible=ended and training.weights is not None and not session.stale)
-        _set(self._drop, visible=session.queued is not None)
+        set_changed(
+            self._longer, visible=ended and training.weights is not None and not session.stale
+        )
+        set_changed(self._drop, visible=session.queued is not None)
 
     def _draw_curve(self, training: Training) -> None:
         now = time.monotonic()
@@ -107,7 +110,7 @@ class TrainingPanel:
         self._curve, self._curve_drawn = training.curve, now
         if len(training.curve) >= 2:
             self._plot.data = curve_data(training.curve)
-        _set(self._plot, visible=len(training.curve) >= 2)
+        set_changed(self._plot, visible=len(training.curve) >= 2)
 
 
 class SettingsControls:
@@ -165,15 +168,15 @@ class SettingsControls:
         """Show the shared settings; locked while a training runs."""
         running, settings = session.training.busy, session.settings
         for control in (self._limit, self._seed, self._mode, self._method, self._warm):
-            _set(control, disabled=running)
+            set_changed(control, disabled=running)
         exactly = session.exactly
-        _set(self._warm, visible=session.planner.training is not None and not exactly)
+        set_changed(self._warm, visible=session.planner.training is not None and not exactly)
         for control in (self._seed, self._mode):
-            _set(control, visible=not exactly)
-        _set(self._method, options=method_labels(session.document.scene))
+            set_changed(control, visible=not exactly)
+        set_changed(self._method, options=method_labels(session.document.scene))
         seed = session.document.scene.seed if settings.seed is None else settings.seed
-        _set(self._seed, value=seed)
-        _set(self._limit, value=settings.time_limit)
+        set_changed(self._seed, value=seed)
+        set_changed(self._limit, value=settings.time_limit)
 
     def _choose(self) -> None:
         mode = next((m for m in MODES if MODE_LABEL[m] == self._mode.value), "")
@@ -232,13 +235,6 @@ def _on_click(button: viser.GuiButtonHandle, session: Session, act) -> None:
     @button.on_click
     async def _(_) -> None:
         session.post(act)
-
-
-def _set(handle, **properties) -> None:
-    """Send only the properties that change."""
-    for name, value in properties.items():
-        if getattr(handle, name) != value:
-            setattr(handle, name, value)
 
 
 def _color(training: Training) -> str:
