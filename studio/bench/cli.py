@@ -10,6 +10,7 @@ from typing import Annotated
 import tyro
 
 from core.errors import UserError
+from studio.bench.shipped import shipped_matrices
 
 BAD_INPUT = 2
 """Exit status of arguments or files that cannot be used."""
@@ -19,6 +20,14 @@ FAILED = 1
 
 MOST_PROCESSES = 256
 
+Asked = Annotated[
+    str,
+    tyro.conf.arg(
+        metavar="NAME|FILE.toml",
+        help=f"One of {', '.join(shipped_matrices())} (docs/bench.md), or a file of one's own "
+        "(studio/bench/matrix.py).",
+    ),
+]
 Where = Annotated[Path, tyro.conf.arg(metavar="DIR")]
 
 
@@ -26,9 +35,7 @@ Where = Annotated[Path, tyro.conf.arg(metavar="DIR")]
 class RunOptions:
     """Run what a file asks for, except what is finished already."""
 
-    matrix: tyro.conf.Positional[Annotated[str, tyro.conf.arg(metavar="NAME|FILE.toml")]]
-    """One of smoke, paper, comparison, horizon, ablation, paper-ablation, paper-mode, or a file of
-    one's own (see studio/bench/matrix.py)."""
+    matrix: tyro.conf.Positional[Asked]
     out: Where
     """Folder of the store; runs of several files may share it."""
     processes: Annotated[int | None, tyro.conf.arg(metavar="INT", aliases=["--jobs"])] = None

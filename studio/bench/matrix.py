@@ -26,7 +26,6 @@ The files that come with the program are named without their ending: `smoke`, `c
 import hashlib
 import re
 from collections.abc import Iterator, Sequence
-from importlib import resources
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -41,6 +40,7 @@ from envs import ENVS
 from scenes import demo_names, load_task, task_names
 from scenes.scene import LARGEST_HORIZON
 from scenes.toml import read_toml
+from studio.bench.shipped import matrices_folder, shipped_matrices
 from studio.runs.config import make_config
 from studio.runs.json_documents import algorithm_document, read_algorithm
 
@@ -138,12 +138,6 @@ def on_processor(job: Job) -> Job:
     return msgspec.structs.replace(job, seconds=None, cpu_seconds=job.seconds)
 
 
-def shipped_matrices() -> list[str]:
-    """Names of the files that come with the program."""
-    folder = resources.files("studio.bench") / "matrices"
-    return sorted(file.name[:-5] for file in folder.iterdir() if file.name.endswith(".toml"))
-
-
 def load_matrix(name: str) -> Matrix:
     """Read a shipped file by its name, or a file of one's own by its path.
 
@@ -151,8 +145,8 @@ def load_matrix(name: str) -> Matrix:
         UserError: no such file, or one that is malformed; the message names file and field.
     """
     if name in shipped_matrices():
-        file = resources.files("studio.bench") / "matrices" / f"{name}.toml"
-        return parse_matrix(file.read_text(encoding="utf-8"), f"{name}.toml")
+        text = (matrices_folder() / f"{name}.toml").read_text(encoding="utf-8")
+        return parse_matrix(text, f"{name}.toml")
     if not name.endswith(".toml"):
         names = [*shipped_matrices(), "the path of a .toml file"]
         raise UserError(f"matrix: unknown {name!r}. {allowed(name, names)}")

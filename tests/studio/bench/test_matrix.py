@@ -8,8 +8,9 @@ from core.methods import METHODS
 from core.stl import horizon, parse
 from scenes import load_task, scene_formula, task_names
 from studio.bench.horizons import stretched, with_horizon
-from studio.bench.matrix import Job, load_matrix, on_processor, parse_matrix, shipped_matrices
+from studio.bench.matrix import Job, load_matrix, on_processor, parse_matrix
 from studio.bench.others import OTHERS
+from studio.bench.shipped import shipped_matrices
 from studio.bench.worker import configuration
 from tests.studio.bench.tiny import TINY, job
 
