@@ -97,6 +97,7 @@ STYLE = """
 .tg-readout { min-height: 1.45em; white-space: nowrap; overflow: hidden; text-overflow: ellipsis;
   font-variant-numeric: tabular-nums; }
 .tg-chips { display: flex; flex-wrap: wrap; gap: 0.3em; align-items: center; }
+.tg-together { display: inline-flex; gap: inherit; margin-left: auto; }
 .tg-chips button { font: inherit; font-size: 0.93em; cursor: pointer; border-radius: 4px;
   border: 1px solid var(--mantine-color-default-border); background: var(--mantine-color-body);
   color: var(--mantine-color-text); padding: 0.1em 0.55em; white-space: nowrap; }

@@ -123,7 +123,9 @@ def _dismiss_notices(page: Page) -> None:
 
 
 def _take(page: Page, path: Path) -> None:
-    """Keep a screenshot, in a palette of 256 colours if it is large."""
+    """Keep a screenshot without notices, in a palette of 256 colours if it is large."""
+    _dismiss_notices(page)
+    page.wait_for_timeout(300)
     image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
     image.save(path, optimize=True)
     if path.stat().st_size > LARGEST:

@@ -37,7 +37,7 @@ class RegionButtons:
         )
         undo = self._button("undo", "↶", title=_title("Undo", document.undo_label, "Ctrl+Z"))
         redo = self._button("redo", "↷", title=_title("Redo", document.redo_label, "Ctrl+Shift+Z"))
-        return f'{tools}<span class="tg-gap"></span>{undo}{redo}'
+        return f'{tools}<span class="tg-together">{undo}{redo}</span>'
 
     def _regions(self, session: Session) -> str:
         scene, selection = session.document.scene, session.editor.selection
