@@ -8,6 +8,7 @@ import viser
 from core.stl import quote_name
 from scenes import Scene, load_task, task_names
 from studio.page.figures.svg import escape
+from studio.page.panels.fields import set_changed
 from studio.page.panels.html import Html
 from studio.page.session import Session
 
@@ -54,8 +55,7 @@ class PalettePanel:
         if self._examples.value != CHOOSE:
             self._examples.value = CHOOSE
         visible = len(offered) > 1
-        if self._examples.visible != visible:
-            self._examples.visible = visible
+        set_changed(self._examples, visible=visible)
 
 
 def palette_html(scene: Scene) -> str:

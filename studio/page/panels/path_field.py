@@ -16,7 +16,7 @@ from core.errors import UserError
 from core.quoting import shown
 from scenes import Region, SceneError
 from scenes.motion import Motion, along, through
-from studio.page.panels.fields import Typing
+from studio.page.panels.fields import Typing, set_changed
 from studio.page.panels.html import Html, note
 from studio.page.session import Session
 
@@ -52,8 +52,7 @@ class PathField:
         if (typed := self._typing.take()) is not None:
             session.post(partial(self.apply, session, *typed))
         self._name = "" if region is None else region.name
-        if self._field.visible != (region is not None):
-            self._field.visible = region is not None
+        set_changed(self._field, visible=region is not None)
         current = (self._name, "" if region is None else path_text(region))
         if not self._typing.waits and current != self._shown:
             self._shown, self._wrong = current, ""

@@ -9,6 +9,7 @@ import viser
 from core.errors import UserError
 from studio.page.figures.svg import escape
 from studio.page.files.projects import Autosave, ProjectError, Recoverable, discard, recoverable
+from studio.page.panels.fields import set_changed
 from studio.page.panels.html import Html, note
 from studio.page.session import Session
 
@@ -41,8 +42,7 @@ class RecoveryPanel:
         if self._autosave is not None and now >= self._due:
             self._due = now + PERIOD
             self._save(self._autosave, session)
-        if self._choice.visible != (self._left is not None):
-            self._choice.visible = self._left is not None
+        set_changed(self._choice, visible=self._left is not None)
         self._note.show(_offer(self._left) + note(self._problem, "warn"))
 
     def close(self) -> None:

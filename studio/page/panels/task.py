@@ -12,6 +12,7 @@ from scenes import Scene, blank, demo_names, load_task, task_names
 from studio.page.editing.document import Document
 from studio.page.figures.svg import escape
 from studio.page.files.shelf import Shelf
+from studio.page.panels.fields import set_changed
 from studio.page.panels.html import Html, note
 from studio.page.session import Session
 
@@ -84,8 +85,7 @@ class TaskPanel:
         self._about.show(_about(scene))
         waits = session.leaving is not None
         self._warning.show(_losses(session) if waits else "")
-        if self._answer.visible != waits:
-            self._answer.visible = waits
+        set_changed(self._answer, visible=waits)
 
     def _ask(self, session: Session, change: Callable[[], None]) -> None:
         self._asked += 1

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import viser
 
+from studio.page.panels.fields import set_changed
 from studio.page.panels.html import Html
 from studio.page.session import Session
 from studio.theme import BRAND
@@ -39,8 +40,7 @@ class TourPanel:
 
     def draw(self, session: Session) -> None:
         """Show the current step."""
-        if self._buttons.visible != (self._step is not None):
-            self._buttons.visible = self._step is not None
+        set_changed(self._buttons, visible=self._step is not None)
         self._text.show("" if self._step is None else _step_html(self._step))
 
     def begin(self) -> None:
