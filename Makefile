@@ -36,6 +36,7 @@ benchmark: $(VENV)/.installed-dev
 
 latency: $(VENV)/.installed-dev browser
 	$(BIN)/python -m tests.tools.page_latency $(ARGS)
+	$(BIN)/python -m tests.tools.page_dragging
 
 screenshots: $(VENV)/.installed-dev browser
 	$(BIN)/python -m tests.tools.screenshots $(ARGS)

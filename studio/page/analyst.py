@@ -1,13 +1,15 @@
 """Questions to a controller, answered on a thread of their own: plans, rollouts, and the map.
 
 The newest request comes first, then the next map, then the share of starts that succeed, and last
-what simulation says of the map's cells. Nothing is queued: a request replaces the one before it,
+what simulation says of the map's cells. A map that is due waits for one answer at most: while a
+region is dragged, requests never end. Nothing is queued: a request replaces the one before it,
 and an answer that comes too late is dropped. Shared values are replaced as a whole, never mutated.
 """
 
 import threading
 import time
 import traceback
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -28,6 +30,9 @@ STARTS = 64
 
 PERIOD = 0.7
 """Minimum time between the starts of two heatmaps [s]."""
+
+REST = 0.3
+"""How long a scene must have stood before starts and cells are tried [s]: an edit comes first."""
 
 
 class Share(NamedTuple):
@@ -67,7 +72,9 @@ class Analyst:
     Every answer says whom it was asked of; whoever takes it drops what does not fit.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, news: Callable[[], None] = lambda: None) -> None:
+        self._news = news
+        """Called when something was found out, on the analyst's thread."""
         self.picture: Picture | None = None
         self.simulated: Simulated | None = None
         """Cells that were simulated last; of the picture shown, or of one before it."""
@@ -88,6 +95,8 @@ class Analyst:
         """Position at which rollouts start [d] in [m]; None for the centre of the initial set."""
         self._preparing = False
         self._samples = 0
+        self._since = 0.0
+        """When the scene that is asked about was shown first [s, monotonic]."""
         self._subject: Subject | None = None
         self._request: _Request | None = None
         self._closed = False
@@ -124,6 +133,8 @@ class Analyst:
                 training.chains,
                 training.weights,
             )
+            if known is None or known.task is not task:
+                self._since = time.monotonic()
         self._wake.set()
 
     def choose_view(self, view: MapView) -> None:
@@ -200,7 +211,7 @@ class Analyst:
         return not self._thread.is_alive()
 
     def _work(self) -> None:
-        drawn, due = _Drawn(), 0.0
+        drawn, due, answered = _Drawn(), 0.0, False
         while not self._closed:
             self._wake.wait(timeout=max(0.1, due - time.monotonic()))
             self._wake.clear()
@@ -210,16 +221,20 @@ class Analyst:
                 if subject is None:
                     continue
                 wanted = _Drawn(subject, self.view, self.start, self._plan_of(subject))
-                if request is not None:
+                mapped = self.watched and time.monotonic() >= due and not wanted.same(drawn)
+                if request is not None and not (mapped and answered):
+                    answered = True
                     self._answer(subject, request)
                 elif self._preparing:
                     self._preparing = False
                     compile_together(*replan_jobs(subject.task, subject.controller))
-                elif self.watched and time.monotonic() >= due and not wanted.same(drawn):
+                elif mapped:
+                    answered = False
                     drawn, due = wanted, time.monotonic() + PERIOD
                     picture = draw_picture(subject, *wanted[1:])
                     self._publish(subject, picture=picture)
-                elif not self._count(subject):
+                    self._wake.set()  # a request may wait
+                elif time.monotonic() >= self._since + REST and not self._count(subject):
                     self._simulate(subject)
             except Exception as error:  # noqa: BLE001 - the page shows it and lives on
                 traceback.print_exc()
@@ -293,3 +308,4 @@ class Analyst:
                 self._request = None
             for name, value in {"error": "", **news}.items():
                 setattr(self, name, value)
+        self._news()

@@ -44,10 +44,12 @@ class Session:
     """One for all clients of a server."""
 
     def __init__(self, scene: Scene, formula: str | None, make_config: MakeConfig) -> None:
-        self.judge = Judge(specify(scene, formula))
+        self.news = threading.Event()
+        """Set when something was posted or found out; the loop clears it."""
+        self.judge = Judge(specify(scene, formula), self.news.set)
         self.document = Document(self.specification.scene)
         self.editor = Editor(self.document)
-        self.trainer, self.analyst, self.player = Trainer(), Analyst(), Player()
+        self.trainer, self.analyst, self.player = Trainer(), Analyst(self.news.set), Player()
         self.planner, self.exact = Planner(), ExactPlanner()
         self.settings = Settings()
         self.queued: Specification | None = None
@@ -66,8 +68,6 @@ class Session:
         """Whether the camera follows the robot; whether a click on the initial set starts there."""
         self._make_config = make_config
         self._changes: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        self.news = threading.Event()
-        """Set when something was posted; the loop clears it."""
         self._draft: tuple[str, float] | None = None
         self._refused: str | None = None
         self._judged = 0

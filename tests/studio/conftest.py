@@ -56,9 +56,11 @@ def running(studio: Studio) -> Iterator[None]:
     """Run the page's loop on a thread; at the end it is closed, and must have ended."""
     loop = threading.Thread(target=studio.run)
     loop.start()
-    yield
-    studio.close()
-    loop.join(timeout=PATIENCE)
+    try:
+        yield
+    finally:
+        studio.close()
+        loop.join(timeout=PATIENCE)
     assert not loop.is_alive()
 
 

@@ -8,6 +8,7 @@ is dropped.
 
 import threading
 import traceback
+from collections.abc import Callable
 from dataclasses import replace
 
 from core.errors import UserError
@@ -20,7 +21,11 @@ from studio.runs.tasks import ground_scene
 class Judge:
     """Read `specification` and `building`; call `take` and `collect` from one thread only."""
 
-    def __init__(self, specification: Specification) -> None:
+    def __init__(
+        self, specification: Specification, news: Callable[[], None] = lambda: None
+    ) -> None:
+        self._news = news
+        """Called when a task is ready, on the judge's thread."""
         self.specification = specification
         """The latest judged scene; while `building`, its task is an earlier scene's."""
         self._right = specification
@@ -113,6 +118,7 @@ class Judge:
                 if self._wanted is wanted:
                     self._answer = wanted.scene, answer
                     self._changed.notify_all()
+            self._news()
 
 
 def _built(wanted: Specification) -> Specification:
