@@ -1,4 +1,4 @@
-"""The command `tgpo-bench`: run the trainings of a file, and report on them."""
+"""The command `tgpo-bench`: run the trainings of a file, report on them, and merge stores."""
 
 import json
 import sys
@@ -29,6 +29,7 @@ Asked = Annotated[
     ),
 ]
 Where = Annotated[Path, tyro.conf.arg(metavar="DIR")]
+Origin = Annotated[Path, tyro.conf.arg(metavar="DIR|FILE.parquet")]
 
 
 @dataclass(frozen=True)
@@ -54,16 +55,34 @@ class ReportOptions:
     folder: tyro.conf.Positional[Where]
     """Folder of the store."""
     docs: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Folder in which benchmarks.md and benchmarks.json are written, too."""
+    """Folder in which benchmarks.md, benchmarks.json and benchmarks.parquet are written, too."""
+
+
+@dataclass(frozen=True)
+class MergeOptions:
+    """Add runs of other stores to one, those that it lacks."""
+
+    origins: tyro.conf.Positional[tuple[Origin, ...]]
+    """Folders of stores, or tables such as docs/benchmarks.parquet."""
+    out: Where
+    """Folder of the store, which is made if it is not there."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
     options = tyro.extras.subcommand_cli_from_dict(
-        {"run": RunOptions, "report": ReportOptions}, prog="tgpo-bench", args=arguments
+        {"run": RunOptions, "report": ReportOptions, "merge": MergeOptions},
+        prog="tgpo-bench",
+        args=arguments,
     )
     try:
-        return _run(options) if isinstance(options, RunOptions) else _report(options)
+        match options:
+            case RunOptions():
+                return _run(options)
+            case ReportOptions():
+                return _report(options)
+            case _:
+                return _merge(options)
     except UserError as error:
         print(f"error: {error}", file=sys.stderr)
         return BAD_INPUT
@@ -100,10 +119,25 @@ def _report(options: ReportOptions) -> int:
     from studio.bench.report import write_docs, write_report  # noqa: PLC0415
     from studio.bench.store import Store  # noqa: PLC0415
 
-    page = write_report(Store(options.folder))
+    store = Store(options.folder)
+    page = write_report(store)
     print(page)
     if options.docs is not None:
-        print(write_docs(page.parent / "summary.json", options.docs))
+        print(write_docs(page.parent / "summary.json", options.docs, store.rows()))
+    return 0
+
+
+def _merge(options: MergeOptions) -> int:
+    from studio.bench.runner import alone  # noqa: PLC0415
+    from studio.bench.store import Store  # noqa: PLC0415
+
+    store = Store(options.out)
+    if not options.origins:
+        raise UserError("merge: name a store's folder, or a table of runs")
+    store.open()
+    with alone(store.folder):
+        added = sum(store.merge(origin) for origin in options.origins)
+    print(json.dumps({"added": added, "runs": len(store.rows()), "out": str(options.out)}))
     return 0
 
 

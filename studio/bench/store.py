@@ -7,6 +7,7 @@
 A run is finished exactly if its file exists.
 """
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -126,10 +127,7 @@ class Store:
 
     def add(self, row: dict[str, Any]) -> None:
         """Keep the row of a run."""
-        table = pa.Table.from_pylist([row], SCHEMA)
-        sink = pa.BufferOutputStream()
-        parquet.write_table(table, sink)
-        write_atomically(self.path(row["key"]), sink.getvalue().to_pybytes())
+        write_rows(self.path(row["key"]), [row])
 
     def rows(self) -> list[dict[str, Any]]:
         """All runs, by their keys.
@@ -141,8 +139,37 @@ class Store:
             raise UserError(f"{self.folder}: not a benchmark's folder (runs/ is missing)")
         found: list[dict[str, Any]] = []
         for path in sorted((self.folder / "runs").glob("*.parquet")):
-            try:
-                found += parquet.read_table(path, schema=SCHEMA).to_pylist(maps_as_pydicts="strict")
-            except (OSError, pa.ArrowException) as error:
-                raise UserError(f"{path}: cannot be read: {error}") from error
+            found += read_rows(path)
         return found
+
+    def merge(self, origin: Path) -> int:
+        """Add the runs of another store's folder, or of one table; returns how many were new.
+
+        Raises:
+            UserError: neither of the two, or a file that is damaged.
+        """
+        rows = Store(origin).rows() if origin.is_dir() else read_rows(origin)
+        new = [row for row in rows if not self.finished(row["key"])]
+        for row in new:
+            self.add(row)
+        return len(new)
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """The runs of a Parquet file.
+
+    Raises:
+        UserError: it cannot be read, or holds something else.
+    """
+    try:
+        return parquet.read_table(path, schema=SCHEMA).to_pylist(maps_as_pydicts="strict")
+    except (OSError, pa.ArrowException) as error:
+        raise UserError(f"{path}: cannot be read: {error}") from error
+
+
+def write_rows(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Keep runs in one compressed Parquet file, which a store can take over again."""
+    sink = pa.BufferOutputStream()
+    table = pa.Table.from_pylist(rows, SCHEMA)
+    parquet.write_table(table, sink, compression="zstd", compression_level=19)
+    write_atomically(path, sink.getvalue().to_pybytes())

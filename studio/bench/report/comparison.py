@@ -54,7 +54,7 @@ def comparison(page: Page, rows: Rows) -> None:
     """A section for each robot and budget, where methods can be compared or nothing else is."""
     for robot, own in by_robot(main(rows)).items():
         parts = by(own, budget)
-        several = {limit for limit, part in parts.items() if len(different(part, "method")) > 1}
+        several = {limit for limit, part in parts.items() if len({*map(name, part)}) > 1}
         for limit in [one for one in parts if one in several] or parts:
             part = parts[limit]
             key = f"{robot}-{''.join(c if c.isalnum() else '-' for c in limit)}"

@@ -1,24 +1,27 @@
-"""The report as Markdown, from its summary: `docs/benchmarks.md` and `docs/benchmarks.json`.
+"""The report as Markdown, from its summary, with the runs that it speaks of.
+
+`docs/benchmarks.md`, `docs/benchmarks.json` (the summary) and `docs/benchmarks.parquet` (the runs).
 
 What stands below the end mark in the Markdown file is written by hand and kept.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from core.checkpoint import write_atomically
 from core.errors import UserError
 from studio.bench.report.page import shown_cell
+from studio.bench.store import write_rows
 
 BEGIN = "<!-- written by `tgpo-bench report --docs`: edit nothing up to the end mark -->"
 END = "<!-- end of the report -->"
 TITLE = "# Benchmarks"
 
 
-def write_docs(summary: Path, folder: Path) -> Path:
-    """Keep a summary in a folder as benchmarks.json, and write benchmarks.md from it.
+def write_docs(summary: Path, folder: Path, rows: Sequence[Mapping[str, Any]]) -> Path:
+    """Keep a summary and its runs in a folder, and write benchmarks.md from the summary.
 
     Raises:
         UserError: the folder cannot be written, or its Markdown has lost its marks.
@@ -33,6 +36,7 @@ def write_docs(summary: Path, folder: Path) -> Path:
             raise UserError(f"{page}: the lines {BEGIN!r} and {END!r} must stand in it")
         head, tail = before.split(BEGIN)[0], before.split(END, 1)[1]
         written = f"{head}{BEGIN}\n\n{markdown(json.loads(text))}\n{END}{tail}"
+        write_rows(folder / "benchmarks.parquet", rows)
         write_atomically(folder / "benchmarks.json", text.encode())
         write_atomically(page, written.encode())
     except OSError as error:

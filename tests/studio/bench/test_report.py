@@ -114,25 +114,41 @@ def test_the_critic_is_held_against_robustness(page):
     assert (success, best) == (0.5, 1.0)
 
 
-def test_the_docs_hold_the_numbers_of_the_summary_and_keep_what_is_written_by_hand(page, tmp_path):
+def test_the_docs_hold_the_numbers_of_the_summary_and_keep_what_is_written_by_hand(
+    store, page, tmp_path
+):
     summary = page.parent / "summary.json"
-    written = write_docs(summary, tmp_path)
+    written = write_docs(summary, tmp_path, store.rows())
     text = written.read_text()
     assert check_numbers(text, json.loads((tmp_path / "benchmarks.json").read_text())) > 50
     written.write_text(text.replace(END, f"{END}\n\n## By hand\n\nKept 17.25."))
-    again = write_docs(summary, tmp_path).read_text()
+    again = write_docs(summary, tmp_path, store.rows()).read_text()
     assert "Kept 17.25." in again and again.count(BEGIN) == 1
     written.write_text("no marks")
     with pytest.raises(UserError, match="must stand in it"):
-        write_docs(summary, tmp_path)
+        write_docs(summary, tmp_path, store.rows())
 
 
 def test_a_number_that_is_not_in_the_summary_is_found(page, tmp_path):
-    text = write_docs(page.parent / "summary.json", tmp_path).read_text()
+    text = write_docs(page.parent / "summary.json", tmp_path, []).read_text()
     wrong = text.replace("0.920", "0.921")
     assert wrong != text
     with pytest.raises(AssertionError, match="0.921"):
         check_numbers(wrong, json.loads((tmp_path / "benchmarks.json").read_text()))
+
+
+def test_the_runs_beside_the_docs_make_the_same_report_again(store, page, tmp_path, capsys):
+    write_docs(page.parent / "summary.json", tmp_path, store.rows())
+    again = tmp_path / "again"
+    table = str(tmp_path / "benchmarks.parquet")
+    assert main(["merge", table, str(store.folder), "--out", str(again)]) == 0
+    assert json.loads(capsys.readouterr().out)["added"] == len(store.rows())
+    summary = write_report(Store(again)).parent / "summary.json"
+    assert summary.read_bytes() == (page.parent / "summary.json").read_bytes()
+    assert main(["merge", table, "--out", str(again)]) == 0
+    assert json.loads(capsys.readouterr().out)["added"] == 0
+    assert main(["merge", str(tmp_path / "none"), "--out", str(again)]) == 2
+    assert "none: cannot be read" in capsys.readouterr().err
 
 
 def test_the_paper_stands_beside_with_its_citation(page):
