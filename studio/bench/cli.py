@@ -29,7 +29,10 @@ Asked = Annotated[
     ),
 ]
 Where = Annotated[Path, tyro.conf.arg(metavar="DIR")]
-Origin = Annotated[Path, tyro.conf.arg(metavar="DIR|FILE.parquet")]
+Origins = Annotated[
+    tyro.conf.Positional[tuple[Path, ...]],
+    tyro.conf.arg(metavar="DIR|FILE.parquet ...", help_behavior_hint=""),
+]
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ class ReportOptions:
 class MergeOptions:
     """Add runs of other stores to one, those that it lacks."""
 
-    origins: tyro.conf.Positional[tuple[Origin, ...]]
+    origins: Origins
     """Folders of stores, or tables such as docs/benchmarks.parquet."""
     out: Where
     """Folder of the store, which is made if it is not there."""

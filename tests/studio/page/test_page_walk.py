@@ -14,15 +14,13 @@ from core.methods.training import TrainingConfig
 from scenes import Predicate, Region, blank, parse_scene, robot_of
 from scenes.motion import Motion
 from studio.page.app import Studio
-from studio.page.views.editing import ABOVE, shown_grips
-from studio.page.views.regions import HEIGHT
-from studio.page.views.roles import Role
 from studio.runs.bundle import load_bundle
 from tests.small import shrink
 from tests.studio.conftest import free_port, running
 from tests.studio.page.test_page import EDITOR, wait_for_node, wait_for_text
 from tests.studio.page.test_page_editing import LIST, Pointer, press, scene, wait_until_drawn
 from tests.studio.page.test_page_files import download, upload
+from tests.studio.page.test_page_shapes import grip
 from tests.studio.waiting import wait_for
 
 EPOCHS = 2
@@ -124,10 +122,9 @@ class Walk:
         self.take("rectangle")
         self.pointer.drag((0.0, -1.0), (3.0, -0.5))
         self.call(self.drawn(4), "wall")
-        height = HEIGHT[Role.UNUSED] + ABOVE
-        handle = next(g.position for g in shown_grips(self.editor, height) if g.kind == "turn")
+        handle = grip(self.studio, "turn")
         wait_until_drawn(self.page, "/edit/turn0", handle)
-        self.pointer.drag(handle, (1.1, 0.2, height))
+        self.pointer.drag(handle, (1.1, 0.2, handle[2]))
         assert wait_for(lambda: scene(self.studio).regions[-1].angle and not self.editor.dragging)
 
     def draw_cart(self):
