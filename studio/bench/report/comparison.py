@@ -10,6 +10,7 @@ from studio.bench.report.rows import (
     Rows,
     budget,
     by,
+    clock,
     different,
     estimates,
     groups,
@@ -93,14 +94,13 @@ def _success(page: Page, key: str, robot: str, rows: Rows) -> None:
 
 def _over_time(page: Page, key: str, robot: str, rows: Rows) -> None:
     named = _in_order(rows)
-    processor = all(row["stopped"] == "cpu_seconds" or "processor" in budget(row) for row in rows)
-    clock, unit = ("cpu_seconds", "processor") if processor else ("seconds", "wall-clock")
+    seconds, unit = clock(rows)
     page.figure(
         f"curves-{key}",
         f"{robot}: success over training time",
-        lambda path: curves(path, named, clock=clock, label=f"training time [s], {unit}"),
+        lambda path: curves(path, named, clock=seconds, label=f"training time [s], {unit}"),
     )
-    found = estimates(named, f"train_{clock}")
+    found = estimates(named, f"train_{seconds}")
     page.figure(
         f"seconds-{key}",
         f"{robot}: training time until the run ended, evaluations included, compilation not",

@@ -55,6 +55,13 @@ def budget(row: Row) -> str:
     return ", ".join(parts) or "the default budget"
 
 
+def clock(rows: Rows) -> tuple[str, str]:
+    """Which seconds were the budget: the columns' ending, and a word."""
+    if all(row["stopped"] == "cpu_seconds" or "processor" in budget(row) for row in rows):
+        return "cpu_seconds", "processor"
+    return "seconds", "wall-clock"
+
+
 def name(row: Row) -> str:
     """What a bar is called: the method, and what differs from a training from scratch."""
     parts = [row["method"]]

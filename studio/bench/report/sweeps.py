@@ -3,7 +3,7 @@
 from studio.bench.figures import sweep
 from studio.bench.published import published
 from studio.bench.report.page import Page
-from studio.bench.report.rows import Row, Rows, by, estimates, main, name
+from studio.bench.report.rows import Row, Rows, by, clock, estimates, main, name
 
 
 def horizons(page: Page, rows: Rows) -> None:
@@ -16,7 +16,9 @@ def horizons(page: Page, rows: Rows) -> None:
         beside = {int(steps): rate for steps, rate in published().horizon.items()} if own else {}
         page.heading(f"Horizons: {label} on {robot}")
         rates = estimates(by_steps, "success_rate")
-        seconds = estimates(by_steps, "train_seconds")
+        wall, cpu = (estimates(by_steps, f"train_{one}") for one in ("seconds", "cpu_seconds"))
+        seconds, unit = clock(part)
+        spent = cpu if seconds == "cpu_seconds" else wall
         page.figure(
             f"horizon-{robot}-{label}-success",
             "Success by horizon",
@@ -27,10 +29,10 @@ def horizons(page: Page, rows: Rows) -> None:
         page.figure(
             f"horizon-{robot}-{label}-seconds",
             "Training time by horizon",
-            lambda path, e=seconds: sweep(path, e, label="training time [s]"),
+            lambda path, e=spent, u=unit: sweep(path, e, label=f"training time [s], {u}"),
         )
-        head = ("steps", "success", "published", "training time [s]")
-        lines = [(s, rates[s], beside.get(s), seconds[s]) for s in sorted(by_steps)]
+        head = ("steps", "success", "published", "wall-clock [s]", "processor [s]")
+        lines = [(s, rates[s], beside.get(s), wall[s], cpu[s]) for s in sorted(by_steps)]
         page.table(f"horizon-{robot}-{label}", head, lines)
 
 
