@@ -118,8 +118,10 @@ def _play_until(
 
 def _dismiss_notices(page: Page) -> None:
     """Close the viewer's notices, such as that of software rendering."""
-    for button in page.locator(".mantine-Notification-closeButton").all():
-        button.click()
+    # At once, in the page: a notice that goes by itself would let the mouse wait for it.
+    page.evaluate(
+        "document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())"
+    )
 
 
 def _take(page: Page, path: Path) -> None:

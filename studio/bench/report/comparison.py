@@ -52,11 +52,18 @@ def beaten(page: Page, rows: Rows) -> None:
 
 
 def comparison(page: Page, rows: Rows) -> None:
-    """A section for each robot and budget, where methods can be compared or nothing else is."""
+    """A section for each robot and budget, where something is compared or nothing else is.
+
+    A training by the paper's own formulation always has one: whether it succeeds is a question.
+    """
     for robot, own in by_robot(main(rows)).items():
         parts = by(own, budget)
-        several = {limit for limit, part in parts.items() if len({*map(name, part)}) > 1}
-        for limit in [one for one in parts if one in several] or parts:
+        told = {
+            limit
+            for limit, part in parts.items()
+            if len({*map(name, part)}) > 1 or any(row["mode"] == "paper" for row in part)
+        }
+        for limit in [one for one in parts if one in told] or parts:
             part = parts[limit]
             key = f"{robot}-{''.join(c if c.isalnum() else '-' for c in limit)}"
             page.heading(f"{robot}: {limit}")
