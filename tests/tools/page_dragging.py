@@ -28,6 +28,7 @@ from studio.page.app import FRAME, Studio
 from studio.page.session import Session
 from tests.studio.conftest import BROWSER_FLAGS, free_port, running
 from tests.studio.page.test_page_editing import Pointer
+from tests.studio.waiting import wait_for
 from tests.tools.attack.client import Tab
 from tests.tools.browser import find_browser
 
@@ -82,11 +83,13 @@ def _studio(name: str) -> Studio:
 
 def _settle(session: Session) -> None:
     """Wait until the page has answered all that it asks by itself."""
-    deadline = time.monotonic() + PATIENCE
-    while (share := session.analyst.share) is None or share.starts < STARTS:
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"nothing within {PATIENCE:g} s")
-        time.sleep(0.05)
+
+    def counted() -> bool:
+        share = session.analyst.share
+        return share is not None and share.starts >= STARTS
+
+    if not wait_for(counted):
+        raise TimeoutError("the page has not tried its starts")
     time.sleep(1.0)
 
 
