@@ -69,6 +69,13 @@ class Recording:
         """T."""
         return len(self.states) - 1
 
+    def schedule_for(self, task: Task | None) -> tuple[int, ...] | None:
+        """Its schedule, if it is one of this task: the formula may have been edited since."""
+        if task is None:
+            return None
+        own, others = self.task.grounding.decomposition, task.grounding.decomposition
+        return self.schedule if own.variables == others.variables else None
+
     @cached_property
     def diagnosis(self) -> Diagnosis:
         """What decided the verdict."""

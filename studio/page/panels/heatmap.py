@@ -48,11 +48,9 @@ class HeatmapPanel:
 
     def draw(self, session: Session) -> None:
         """Show the newest picture of the current training."""
-        picture, training = session.analyst.picture, session.subject
-        self._stale.show(note(session.analyst.stale if picture else "", "warn"))
-        if picture is not None and picture.subject.task is not training.task:
-            picture = None
-        recording = session.player.recording
+        training = session.subject
+        self._stale.show(note(session.analyst.stale if session.analyst.picture else "", "warn"))
+        picture, recording = current_picture(session), session.player.recording
         analyst = session.analyst
         current = (picture, recording, training.running, analyst.view)
         current = (*current, analyst.simulating, analyst.simulated)
@@ -68,7 +66,7 @@ class HeatmapPanel:
             waiting = "Shown after the first epoch…" if training.running else "Appears in training."
             self._map.show(f'<div class="tg tg-dim">{waiting}</div>')
             return
-        shown = None if recording is None else recording.schedule
+        shown = None if recording is None else recording.schedule_for(picture.subject.task)
         truth = truth_of(analyst, picture) if searched else None
         self._map.show(self._content(picture, truth, shown))
 
@@ -102,12 +100,19 @@ class HeatmapPanel:
 
     def _click(self, value: str) -> None:
         """Roll out the cell `axes column row`; values that do not fit the picture are ignored."""
-        picture = self._session.analyst.picture
+        picture = current_picture(self._session)
         if picture is None:
             return
         schedule = clicked_schedule(picture, value)
         if schedule is not None:
             self._session.analyst.ask(schedule)
+
+
+def current_picture(session: Session) -> Picture | None:
+    """The newest picture, unless it is of a scene that was edited since."""
+    picture = session.analyst.picture
+    current = picture is not None and picture.subject.task is session.subject.task
+    return picture if current else None
 
 
 def clicked_schedule(picture: Picture, value: str) -> tuple[int, ...] | None:

@@ -57,10 +57,11 @@ def start_at(session: Session, region: Region, origin: np.ndarray, direction: np
     session.choosing_start = False
     session.analyst.choose_start(position)
     recording, found = session.player.recording, session.analyst.answer
+    schedule = None if recording is None else recording.schedule_for(session.subject.task)
     if found is not None and (found.seconds is not None or found.moved is not None):
         session.analyst.ask()
-    elif recording is not None:
-        session.analyst.ask(recording.schedule)
+    elif schedule is not None:
+        session.analyst.ask(schedule)
 
 
 def met(region: Region, origin: np.ndarray, direction: np.ndarray) -> tuple[float, ...]:

@@ -1,8 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from core.decompose import Kind
+from scenes import load_task
 from studio.runs.recording import record
+from studio.runs.tasks import build_task
 
 SCHEDULE = (20, 50, 15)
 """t1, t2, t3 of linear-08: A1 at 20, A2 at 50, A3 from 65 to 75."""
@@ -61,6 +65,18 @@ def test_the_verdict_is_the_formulas_not_the_schedules(linear_task):
 
 def test_padding_of_a_schedule_is_dropped(linear_task):
     assert recorded(linear_task, GOOD, schedule=(20, 50, 15, 0, 0, 0, 0, 0)).schedule == SCHEDULE
+
+
+def test_a_schedule_is_one_of_the_formula_not_of_the_layout(linear_task):
+    recording, scene = recorded(linear_task, GOOD), load_task("linear-08")
+    moved = replace(scene.regions[0], center=(scene.regions[0].center[0] + 0.05, 0.0))
+    same = build_task(replace(scene, regions=(moved, *scene.regions[1:])))
+    fewer = build_task(scene, "F_[0:90](A1)")
+    later = build_task(scene, scene.formula.replace("0:90", "0:80"))
+    assert recording.schedule_for(linear_task) == SCHEDULE
+    assert recording.schedule_for(same) == SCHEDULE
+    assert recording.schedule_for(fewer) is recording.schedule_for(later) is None
+    assert recording.schedule_for(None) is None
 
 
 def test_a_broken_simulation_is_a_violation(linear_task):

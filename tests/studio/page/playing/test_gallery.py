@@ -16,7 +16,15 @@ TASK = SimpleNamespace(
 
 
 def rollout(value=0, task=TASK, satisfied=True) -> Any:
-    return cast(Any, SimpleNamespace(task=task, schedule=(value,), satisfied=satisfied))
+    return cast(
+        Any,
+        SimpleNamespace(
+            task=task,
+            schedule=(value,),
+            satisfied=satisfied,
+            schedule_for=lambda other: (value,) if other is task else None,
+        ),
+    )
 
 
 def test_the_last_rollouts_are_kept_in_colours_of_their_own():
@@ -60,6 +68,7 @@ def test_a_click_beside_the_initial_set_is_refused():
         Any,
         SimpleNamespace(
             choosing_start=True,
+            subject=SimpleNamespace(task=TASK),
             player=SimpleNamespace(recording=rollout(7)),
             analyst=SimpleNamespace(choose_start=asked.append, ask=asked.append, answer=None),
         ),
@@ -72,3 +81,6 @@ def test_a_click_beside_the_initial_set_is_refused():
     start_at(session, flat, np.array([1.25, 1.0, 2.0]), down)
     assert asked == [(1.25, 1.0), (7,)]
     assert not session.choosing_start
+    session.subject = SimpleNamespace(task=None)  # the formula was edited since the rollout
+    start_at(session, flat, np.array([1.0, 1.0, 2.0]), down)
+    assert asked[2:] == [(1.0, 1.0)]
