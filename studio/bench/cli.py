@@ -140,7 +140,7 @@ def _merge(options: MergeOptions) -> int:
     store.open()
     with alone(store.folder):
         added = sum(store.merge(origin) for origin in options.origins)
-    print(json.dumps({"added": added, "runs": len(store.rows()), "out": str(options.out)}))
+    print(json.dumps({"added": added, "runs": len(store), "out": str(options.out)}))
     return 0
 
 

@@ -133,6 +133,9 @@ class Store:
         """Whether a run is in the store."""
         return self.path(key).is_file()
 
+    def __len__(self) -> int:
+        return sum(1 for _ in (self.folder / "runs").glob("*.parquet"))
+
     def add(self, row: dict[str, Any]) -> None:
         """Keep the row of a run."""
         write_rows(self.path(row["key"]), [row])

@@ -33,6 +33,7 @@ from studio.page.session import DEBOUNCE, Session
 from studio.page.trainer import Phase
 from studio.runs.tasks import build_task
 from tests.studio.conftest import BROWSER_FLAGS, free_port
+from tests.studio.waiting import wait_for
 from tests.tools.browser import find_browser
 
 TASK = "linear-08"
@@ -260,11 +261,8 @@ def _ticks(studio: Studio) -> Answers:
 
 
 def _wait(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > deadline:
-            raise TimeoutError(f"nothing within {PATIENCE:g} s")
-        time.sleep(0.005)
+    if not wait_for(condition, PATIENCE):
+        raise TimeoutError(f"nothing within {PATIENCE:g} s")
 
 
 def _print(what: str, text: str) -> None:
