@@ -245,4 +245,5 @@ def _build(server: viser.ViserServer, session: Session, shelf: Shelf) -> list[Dr
         RobotView(server),
     ]
     views += [GripView(server), StartView(server), FollowView(server)]
-    return [*drawables, FloorView(server), *views, EditingView(server)]
+    # The floor first: a tool works before its button looks pressed.
+    return [FloorView(server), *drawables, *views, EditingView(server)]

@@ -1,5 +1,6 @@
 """The floor: where the robot may go, and where regions are drawn."""
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -21,16 +22,46 @@ class FloorView:
 
     def __init__(self, server: viser.ViserServer) -> None:
         self._scene = server.scene
-        self._drawn: tuple[Stage, bool, bool] | None = None
+        self._floor: viser.BoxHandle | None = None
+        self._stage: Stage | None = None
+        self._tool = SELECT
+        self._unbind: list[Callable[[], None]] = []
+        """Undo what the tool has bound to the floor."""
 
     def draw(self, session: Session) -> None:
-        """Follow the arena and the tool."""
-        tool = session.editor.tool
-        current = stage_of(session.document.scene), tool != SELECT, tool in CLICKED
-        if current == self._drawn:
+        """Follow the arena and the tool.
+
+        Another tool is bound to the floor that is there: a new floor would miss a drag that begins
+        before the browser has it.
+        """
+        stage, tool = stage_of(session.document.scene), session.editor.tool
+        if self._floor is None or stage != self._stage:
+            self._floor, self._stage, self._tool = self._add_floor(stage), stage, SELECT
+            self._unbind.clear()
+            on_level_drag(self._floor, drawing_drag(session), height=0.0, modifier="shift")
+        if tool != self._tool:
+            self._tool = tool
+            self._bind(self._floor, session)
+
+    def _bind(self, floor: viser.BoxHandle, session: Session) -> None:
+        """Bind the tool to the floor, in place of the one before."""
+        for undo in self._unbind:
+            undo()
+        self._unbind.clear()
+        if self._tool == SELECT:
             return
-        self._drawn = current
-        stage, drawing, clicked = current
+        drag = on_level_drag(floor, drawing_drag(session), height=0.0)
+        self._unbind.append(partial(floor.remove_drag_callback, drag))
+        if self._tool in CLICKED:
+
+            @floor.on_click
+            async def click(event: viser.SceneNodePointerEvent) -> None:
+                click_corner(session, event)
+
+            self._unbind.append(partial(floor.remove_click_callback, click))
+
+    def _add_floor(self, stage: Stage) -> viser.BoxHandle:
+        """Add floor, rim and grid."""
         (left, right), (front, back) = stage.floor
         width, depth = right - left, back - front
         middle = ((left + right) / 2, (front + back) / 2)
@@ -41,16 +72,6 @@ class FloorView:
             position=(*middle, -stage.thickness / 2 - 0.001),
             cast_shadow=False,
         )
-        draw = drawing_drag(session)
-        on_level_drag(floor, draw, height=0.0, modifier="shift")
-        if drawing:
-            on_level_drag(floor, draw, height=0.0)
-        if clicked:
-
-            @floor.on_click
-            async def _(event: viser.SceneNodePointerEvent) -> None:
-                click_corner(session, event)
-
         self._add_rim(stage)
         # Not a child of the floor: the upright grid would pass its clicks on to the floor.
         self._scene.add_grid(
@@ -64,6 +85,7 @@ class FloorView:
             shadow_opacity=0.0,
             position=(*middle, 0.002),
         )
+        return floor
 
     def _add_rim(self, stage: Stage) -> None:
         """Add four beams along the floor's edges."""

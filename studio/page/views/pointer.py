@@ -43,8 +43,8 @@ def ray_of(event: viser.SceneNodePointerEvent) -> Ray | None:
 
 def on_level_drag(
     node: Any, dragged: Dragged, *, height: float | None = None, modifier: Any = None
-) -> None:
-    """Report drags of a node along a horizontal plane.
+) -> Callable[..., Any]:
+    """Report drags of a node along a horizontal plane; returns the callback, to remove it by.
 
     Args:
         node: handle of a scene node.
@@ -54,7 +54,7 @@ def on_level_drag(
     """
 
     @node.on_drag("left", modifier=modifier)
-    async def _(event: viser.SceneNodeDragEvent) -> None:
+    async def callback(event: viser.SceneNodeDragEvent) -> None:
         eye = np.asarray(event.client.camera.position, float)
         grabbed, pointer = (
             np.asarray(point, float) for point in (event.start_position, event.end_position)
@@ -62,6 +62,8 @@ def on_level_drag(
         level = float(grabbed[2]) if height is None else height
         start = level_point(eye, grabbed, level)
         dragged(event.phase, start, level_point(eye, pointer, level))
+
+    return callback
 
 
 def axis_point(eye: np.ndarray, through: np.ndarray, origin: np.ndarray, axis: int) -> Point:
