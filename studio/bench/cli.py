@@ -46,7 +46,7 @@ class RunOptions:
     """Runs at the same time, each kept to its share of the cores; one if nothing is said, on a
     cluster as many as it has cores."""
     cpu_budgets: bool = False
-    """Take budgets of seconds as seconds of the processor, for a machine that does other things."""
+    """Take budgets of seconds as seconds of one core, for a machine that does other things."""
     ray: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
     """Address of a Ray cluster that carries out the runs; `local` begins one on this machine."""
 

@@ -27,6 +27,13 @@ def dealt(cores: Sequence[int], processes: int) -> list[tuple[int, ...]]:
     return [tuple(cores[slot::processes]) for slot in range(processes)]
 
 
+def one_of(cores: Sequence[int]) -> tuple[int, ...]:
+    """One core of a share, or of all: seconds of the processor buy less work on several."""
+    if not hasattr(os, "sched_setaffinity"):
+        return ()
+    return tuple(cores or own_cores())[:1]
+
+
 def keep_to(cores: Sequence[int]) -> None:
     """Keep this process to some cores, before XLA begins; to all of them if none are named."""
     if cores:

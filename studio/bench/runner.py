@@ -19,7 +19,7 @@ import msgspec
 from filelock import FileLock, Timeout
 
 from core.errors import UserError
-from studio.bench.cores import bounded, dealt, own_cores
+from studio.bench.cores import bounded, dealt, one_of, own_cores
 from studio.bench.matrix import Job
 from studio.bench.order import Order
 from studio.bench.store import Store
@@ -44,7 +44,8 @@ def run_jobs(
     Args:
         store: gets a row for each.
         jobs: in the order in which they are begun.
-        processes: that run at the same time, each on its share of the cores if there are several.
+        processes: that run at the same time, each on its share of the cores if there are several;
+            a job with a budget of the processor's seconds on one core.
         told: is called as each ends.
 
     Raises:
@@ -72,7 +73,8 @@ def _outcomes(store: Store, jobs: Iterator[Job], processes: int) -> Iterator[Out
     def run(job: Job) -> Outcome:
         cores = slots.get()
         try:
-            return _run(store, Order(job, processes, cores), alive)
+            kept = cores if job.cpu_seconds is None else one_of(cores)
+            return _run(store, Order(job, processes, kept), alive)
         finally:
             slots.put(cores)
 

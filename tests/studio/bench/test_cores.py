@@ -7,8 +7,11 @@ import sys
 
 import pytest
 
-from studio.bench import cores
+from studio.bench import cores, runner
 from studio.bench.cores import bounded, dealt, own_cores
+from studio.bench.runner import Outcome
+from studio.bench.store import Store
+from tests.studio.bench.tiny import job
 
 PINS = hasattr(os, "sched_setaffinity")
 
@@ -30,6 +33,24 @@ def test_every_run_has_a_share(given, processes, expected):
 def test_where_no_process_can_choose_none_is_dealt(monkeypatch):
     monkeypatch.delattr(os, "sched_setaffinity", raising=False)
     assert dealt((0, 1), 2) == [(), ()]
+
+
+@pytest.mark.skipif(not PINS, reason="this system lets no process choose its cores")
+@pytest.mark.parametrize("processes", [1, 2])
+def test_a_budget_of_the_processor_is_spent_on_one_core(monkeypatch, tmp_path, processes):
+    """With two threads a second of the processor bought half as many epochs."""
+    kept = {}
+
+    def run(_store, order, _alive):
+        kept[order.job.cpu_seconds] = order.cores
+        return Outcome(order.job, "")
+
+    monkeypatch.setattr(runner, "_run", run)
+    monkeypatch.setattr(runner, "own_cores", lambda: (0, 1, 2, 3))
+    jobs = [job(seconds=9.0), job(cpu_seconds=9.0)]
+    runner.run_jobs(Store(tmp_path), jobs, processes=processes, told=lambda _: None)
+    assert len(kept[None]) != 1
+    assert len(kept[9.0]) == 1
 
 
 def test_pools_are_as_large_as_the_share():
