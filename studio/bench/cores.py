@@ -28,7 +28,7 @@ def dealt(cores: Sequence[int], processes: int) -> list[tuple[int, ...]]:
 
 
 def one_of(cores: Sequence[int]) -> tuple[int, ...]:
-    """One core of a share, or of all: seconds of the processor buy less work on several."""
+    """One core of a share, or of all, so that seconds of the processor compare."""
     if not hasattr(os, "sched_setaffinity"):
         return ()
     return tuple(cores or own_cores())[:1]

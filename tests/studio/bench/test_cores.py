@@ -38,7 +38,6 @@ def test_where_no_process_can_choose_none_is_dealt(monkeypatch):
 @pytest.mark.skipif(not PINS, reason="this system lets no process choose its cores")
 @pytest.mark.parametrize("processes", [1, 2])
 def test_a_budget_of_the_processor_is_spent_on_one_core(monkeypatch, tmp_path, processes):
-    """With two threads a second of the processor bought half as many epochs."""
     kept = {}
 
     def run(_store, order, _alive):
