@@ -21,8 +21,10 @@ lint: $(VENV)/.installed-dev
 types: $(VENV)/.installed-dev
 	$(BIN)/pyright
 
+# A browser draws on the processor and has to keep up with the mouse: nothing runs beside it.
 unit: $(VENV)/.installed-dev browser
-	$(BIN)/pytest $(ARGS)
+	$(BIN)/pytest -m "not browser" --numprocesses 2 --dist loadfile
+	$(BIN)/pytest -m browser
 
 browser: $(VENV)/.installed-dev
 	$(BIN)/python -m tests.tools.browser

@@ -74,8 +74,10 @@ SLOW_FIXTURES = {"chromium_path", "disk_cache", "small_algorithm", "linear_task"
 
 
 def pytest_collection_modifyitems(items):
-    """Mark what compiles a trainer, opens a browser or simulates: `make quick` leaves it out."""
+    """Mark what opens a browser, and what is slow: `make quick` leaves it out."""
     for item in items:
+        if "chromium_path" in item.fixturenames:
+            item.add_marker("browser")
         place = item.path.relative_to(item.config.rootpath / "tests").as_posix()
         alone = place.count("/") == 0 and place != "test_layers.py"
         browser = place.startswith("studio/page/test_")

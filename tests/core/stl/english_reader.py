@@ -4,6 +4,7 @@ Written from the rules that the sentences promise to a person, not from the code
 """
 
 import re
+from collections.abc import Callable
 
 from core.stl import (
     Always,
@@ -57,20 +58,29 @@ class _Reader:
             if formula is not None:
                 return formula
         if absolute and self._take("at step 0 be "):
-            return self._chain(True)
+            return self._chain(self._from_the_start)
         interval = self._moment(absolute)
         if interval is not None:
             self._expect(" ")
             return Eventually(interval, self._clause(False))
         self._expect("be ")
-        return self._chain(absolute)
+        return self._chain(lambda: self._clause(absolute))
 
-    def _chain(self, absolute: bool) -> Formula:
+    def _chain(self, clause: Callable[[], Formula]) -> Formula:
         """A place, and what else counts from the same moment."""
         place = self._place()
         if self._take(", and "):
-            return And((place, self._clause(absolute)))
+            return And((place, clause()))
         return place
+
+    def _from_the_start(self) -> Formula:
+        """A clause after `at step 0`: a time of the episode, and a moment that others follow."""
+        start = self._at
+        try:
+            return self._clause(True)
+        except AssertionError:
+            self._at = start
+            return self._clause(False)
 
     def _moment(self, absolute: bool) -> Interval | None:
         if absolute:

@@ -138,6 +138,12 @@ def test_sentences_read_back_mean_the_formula(formula, data):
         assert robustness(again, trace, ATOMS) == robustness(formula, trace, ATOMS)
 
 
+def test_times_after_step_0_count_from_it():
+    said = sentences(parse("F_[0:0](A & G_[0:1](B))"))
+    assert said == ("At step 0 be in A, and stay 1 step in B.",)
+    assert read_english(said) == parse("A & G_[0:1](B)")
+
+
 def test_another_formula_does_not_read_back_as_this_one():
     formula, other = parse("F_[0:20](A & F_[5:9](B))"), parse("F_[0:20](A & F_[5:8](B))")
     assert read_english(sentences(formula)) == formula != other
