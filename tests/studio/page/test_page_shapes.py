@@ -95,7 +95,9 @@ def test_shapes_are_turned_joined_edited_and_taken_apart(studio, page):
     assert turn % 5 != 0.0
     assert turn == pytest.approx(-42.3, abs=12.0)
     # What is typed into a field that changes meanwhile is added to its new value.
-    assert wait_for(lambda: float(page.locator(ANGLE).input_value()) == document.region("bar").angle)
+    assert wait_for(
+        lambda: float(page.locator(ANGLE).input_value()) == document.region("bar").angle
+    )
     page.locator(ANGLE).fill("12.5")
     assert wait_for(lambda: document.region("bar").angle == 12.5)
 
