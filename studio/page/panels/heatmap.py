@@ -21,6 +21,7 @@ from studio.page.panels.truth import press, switch_html, truth_keys, truth_line,
 from studio.page.picture import Picture
 from studio.page.server.clicks import ClickField
 from studio.page.session import Session
+from studio.page.trainer import Training
 
 CHOICE, SHOWN = "#ffffff", "#ff5d2e"
 
@@ -53,7 +54,7 @@ class HeatmapPanel:
         picture, recording = current_picture(session), session.player.recording
         analyst = session.analyst
         current = (picture, recording, training.running, analyst.view)
-        current = (*current, analyst.simulating, analyst.simulated)
+        current = (*current, analyst.simulating, analyst.simulated, awaited(training))
         if current == self._drawn:
             return
         self._drawn = current
@@ -63,8 +64,7 @@ class HeatmapPanel:
         switch = switch_html(self._sides, simulating=analyst.simulating)
         self._switch.show(switch if searched else "")
         if picture is None:
-            waiting = "Shown after the first epoch…" if training.running else "Appears in training."
-            self._map.show(f'<div class="tg tg-dim">{waiting}</div>')
+            self._map.show(f'<div class="tg tg-dim">{awaited(training)}</div>')
             return
         shown = None if recording is None else recording.schedule_for(picture.subject.task)
         truth = truth_of(analyst, picture) if searched else None
@@ -113,6 +113,13 @@ def current_picture(session: Session) -> Picture | None:
     picture = session.analyst.picture
     current = picture is not None and picture.subject.task is session.subject.task
     return picture if current else None
+
+
+def awaited(training: Training) -> str:
+    """What stands where the map will be."""
+    if training.weights is not None:
+        return "Being drawn…"
+    return "Shown after the first epoch…" if training.running else "Appears in training."
 
 
 def clicked_schedule(picture: Picture, value: str) -> tuple[int, ...] | None:

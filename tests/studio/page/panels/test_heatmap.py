@@ -8,10 +8,10 @@ import pytest
 from core.heatmap import Heatmap
 from core.methods.tgpo.method import TgpoLearner
 from scenes import load_task
-from studio.page.panels.heatmap import HeatmapPanel, clicked_schedule
+from studio.page.panels.heatmap import HeatmapPanel, awaited, clicked_schedule
 from studio.page.picture import MapView, draw_picture
 from studio.page.subject import Subject
-from studio.page.trainer import Training
+from studio.page.trainer import Phase, Training
 from studio.runs.recording import record
 from studio.runs.tasks import build_task
 
@@ -91,3 +91,11 @@ def test_a_click_on_the_map_of_an_earlier_formula_is_ignored(linear_task, fewer,
     session.subject = Training(task=linear_task)
     panel._click("0,2 3 1")
     assert asked == [(8, 7, 21)]
+
+
+def test_what_is_awaited_before_there_is_a_map():
+    weights = object()
+    assert awaited(Training(Phase.LOADED, weights=weights)) == "Being drawn…"
+    assert awaited(Training(Phase.TRAINING, weights=weights)) == "Being drawn…"
+    assert awaited(Training(Phase.COMPILING)) == "Shown after the first epoch…"
+    assert awaited(Training()) == "Appears in training."
