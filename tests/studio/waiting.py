@@ -10,11 +10,11 @@ PATIENCE = 240.0
 
 
 def wait_for(condition: Callable[[], bool], timeout: float = PATIENCE) -> bool:
-    """Poll until the condition holds; its last value."""
+    """Poll until the condition holds; what it was then, as it may hold for a moment only."""
     deadline = time.monotonic() + timeout
-    while not condition() and time.monotonic() < deadline:
+    while not (held := condition()) and time.monotonic() < deadline:
         time.sleep(0.005)
-    return condition()
+    return held
 
 
 def ticked(session: Any, condition: Callable[[], bool]) -> bool:
