@@ -80,8 +80,8 @@ def pytest_collection_modifyitems(items):
             item.add_marker("browser")
         place = item.path.relative_to(item.config.rootpath / "tests").as_posix()
         alone = place.count("/") == 0 and place != "test_layers.py"
-        browser = place.startswith("studio/page/test_")
-        if alone or browser or place.startswith(SLOW_FOLDERS):
+        whole_page = place.startswith("studio/page/test_")
+        if alone or whole_page or place.startswith(SLOW_FOLDERS):
             item.add_marker("slow")
         elif SLOW_FIXTURES & set(item.fixturenames):
             item.add_marker("slow")

@@ -53,8 +53,8 @@ class HeatmapPanel:
         self._stale.show(note(session.analyst.stale if session.analyst.picture else "", "warn"))
         picture, recording = current_picture(session), session.player.recording
         analyst = session.analyst
-        current = (picture, recording, training.running, analyst.view)
-        current = (*current, analyst.simulating, analyst.simulated, awaited(training))
+        current = (picture, recording, awaited(training), analyst.view)
+        current = (*current, analyst.simulating, analyst.simulated)
         if current == self._drawn:
             return
         self._drawn = current

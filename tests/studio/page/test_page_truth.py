@@ -35,11 +35,11 @@ def test_the_switch_shows_what_a_click_then_plays(studio, page):
     wait_for_text(page, ".tg-truth", "of 576 schedules satisfy the formula; rank correlation")
     for corner, schedule in [(0.98, "t1 = 60, t2 = 0"), (0.02, "t1 = 0, t2 = 0")]:
         # The read-out is empty again whenever the map is drawn anew.
-        assert wait_for(lambda at=corner, text=schedule: text in read_out(page, at, 0.01))
-        said = read_out(page, corner, 0.01)
+        assert wait_for(lambda at=corner, text=schedule: text in read_out(page, at, 0.02))
+        said = read_out(page, corner, 0.02)
         found = re.search(r"(satisfied|fails) with robustness (-?[\d.]+) m, value", said)
         assert found, said
-        click_cell(page, corner, 0.01)
+        click_cell(page, corner, 0.02)
         schedule_shown(page, schedule)
         recording = studio.session.player.recording
         assert float(found[2]) == pytest.approx(recording.robustness, abs=6e-4)
