@@ -3,7 +3,8 @@
 The critic ranks many schedules in one go, but its errors decide which one it likes best; a
 simulation costs milliseconds and knows. So the K candidates that it likes best, the best of each
 kind first, are carried out, and the exact robustness of the traces chooses. Where none satisfies
-the formula, others are drawn. The value alone is never climbed: that exploits its errors.
+the formula, some others are drawn, and the best attempts' actions are nudged (`core.nudges`). The
+value alone is never climbed: that exploits its errors.
 
 Dimensions: K candidates, L steps, V variables, G subgoals, n state, m action, A atoms.
 """
@@ -17,10 +18,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from core.attempts import Attempts, Kind, of_every_kind, with_nudged
 from core.candidates import Ranking, ranked
 from core.controller import Controller
 from core.evaluation import rollout_robustness
-from core.rollout import Rollout, roll_out, rollout_jobs
+from core.nudges import PARENTS
+from core.rollout import Rollout, no_nudges, roll_out, rollout_jobs
 from core.task.physics import physics_of
 from core.task.protocols import Array
 from core.task.task import Task
@@ -28,17 +31,16 @@ from core.task.task import Task
 TRIED, TRIED_IN_PHYSICS = 64, 8
 """K, schedules that are carried out in a round, by the robot's own `step` or in true physics."""
 
-ROUNDS = 4
+ROUNDS, ROUNDS_IN_PHYSICS = 16, 4
 """Rounds before the answer is that no plan was found."""
 
+DRAWS = 4
+"""Rounds that have new schedules, whose drawing takes longer than to carry them out."""
+
+NUDGED = 0.75
+"""Share of the attempts of rounds with new schedules that are nudged ones, after the first."""
+
 MOST_ALTERNATIVES = 6
-
-
-class Kind(NamedTuple):
-    """What tells plans apart that differ in more than their times."""
-
-    order: tuple[int, ...]
-    """Indices of the subgoals in order of start; those of branches not chosen are missing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +49,7 @@ class Plan:
 
     schedule: np.ndarray  # [V]
     kind: Kind
+    nudges: np.ndarray  # [L, m] part of the actions that is not the controller's
     robustness: float  # of the formula on the trace [m]; -inf if the simulation broke down
     states: np.ndarray  # [L + 1, n]
     actions: np.ndarray  # [L, m]
@@ -56,6 +59,25 @@ class Plan:
     def satisfied(self) -> bool:
         """Exact satisfaction of the formula by the trace."""
         return self.robustness >= 0
+
+    @property
+    def nudged(self) -> bool:
+        """Whether the controller alone does not repeat the plan (see `core.nudges`)."""
+        return bool(self.nudges.any())
+
+
+class Effort(NamedTuple):
+    """How long is searched for a plan."""
+
+    rounds: int | None = None
+    """Most rounds; the first that satisfies the formula is the last. None: as many as suit."""
+    nudging: bool = True
+    """Whether actions are nudged, too; else all attempts are the controller's own."""
+    interrupted: Callable[[], bool] = lambda: False
+    """Asked after each round whether the search shall end with what it has."""
+
+
+THOROUGH = Effort()
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +89,24 @@ class Answer:
     alternatives: tuple[Plan, ...]
     """The most robust satisfying plan of each other kind, the most robust first."""
     tried: int
-    """Schedules carried out."""
+    """Attempts that were carried out."""
+    rounds: int
+    """Rounds that it took."""
     seconds: float
     """Wall-clock time, compilation apart if it had been done before."""
 
 
+CarryOut = Callable[[np.ndarray, np.ndarray], Rollout]
+"""Simulates K schedules [K, V] with nudges [L, K, m]."""
+
+
 def answer(
-    task: Task, controller: Controller, state: Array, *, seed: int = 0, rounds: int = ROUNDS
+    task: Task,
+    controller: Controller,
+    state: Array,
+    *,
+    seed: int = 0,
+    effort: Effort = THOROUGH,
 ) -> Answer:
     """The most robust plan from an initial state [n] that a bounded search finds.
 
@@ -82,57 +115,64 @@ def answer(
         controller: carries out schedules; one that knows none is tried once.
         state: where the robot stands.
         seed: of the draws.
-        rounds: most rounds; the first that satisfies the formula is the last.
+        effort: of the search.
     """
 
     def rank(number: int) -> Ranking:
         key = jax.random.fold_in(jax.random.key(seed), number)
         return ranked(task.problem, controller, key, state)
 
-    def carry_out(schedules: np.ndarray) -> Rollout:
+    def carry_out(schedules: np.ndarray, nudges: np.ndarray) -> Rollout:
         states = jnp.broadcast_to(state, (len(schedules), *state.shape))
-        return roll_out(task, controller, states, jnp.asarray(schedules))
+        return roll_out(task, controller, states, jnp.asarray(schedules), nudges)
 
-    return best_answer(task, rank, carry_out, rounds=1 if controller.search is None else rounds)
+    if controller.search is None:
+        effort = effort._replace(rounds=1)
+    return best_answer(task, rank, carry_out, seed=seed, effort=effort)
 
 
 def best_answer(
     task: Task,
     rank: Callable[[int], Ranking],
-    carry_out: Callable[[np.ndarray], Rollout],
+    carry_out: CarryOut,
     *,
-    rounds: int,
+    seed: int,
+    effort: Effort,
 ) -> Answer:
     """The most robust of the plans that are carried out.
 
     Args:
         task: whose formula decides.
         rank: candidates of the round of a number, from 0.
-        carry_out: simulates K schedules [K, V].
-        rounds: most rounds; the first that satisfies the formula is the last.
+        carry_out: simulates attempts.
+        seed: of the nudges.
+        effort: of the search.
     """
-    began, best, tried = time.perf_counter(), None, 0
-    found: dict[Kind, Plan] = {}
-    for number in range(rounds):
-        ranking = rank(number)
-        orders, schedules = np.asarray(ranking.orders), np.asarray(ranking.schedules)
-        chosen = _of_every_kind(orders, schedules, tries(task))
-        rollout = carry_out(chosen.schedules)
+    began, random = time.perf_counter(), np.random.default_rng(seed)
+    rounds = effort.rounds or _rounds(task)
+    if not effort.nudging:
+        rounds = min(rounds, DRAWS)
+    nearest: list[_Judged] = []  # the most robust first
+    found: dict[Kind, _Judged] = {}
+    number = tried = 0
+    while not (found or number == rounds or (number and effort.interrupted())):
+        if number < DRAWS:
+            attempts = of_every_kind(rank(number), no_nudges(task, tries(task)))
+        if number and effort.nudging:
+            attempts = with_nudged(random, attempts, nearest, share=NUDGED if number < DRAWS else 1)
+        tried += attempts.distinct
+        rollout = carry_out(attempts.schedules, attempts.nudges)
         score = rollout_robustness(task, rollout)
-        tried += len(np.unique(chosen.schedules, axis=0))
-        for index in np.argsort(-score, kind="stable"):
-            kind = chosen.kinds[index]
-            if best is None or score[index] > best.robustness:
-                best = _plan(chosen, rollout, score, index)
-            if score[index] >= 0 and (kind not in found or score[index] > found[kind].robustness):
-                found[kind] = _plan(chosen, rollout, score, index)
-        if best is not None and best.satisfied:
-            break
-    assert best is not None
-    others = [plan for kind, plan in found.items() if kind != best.kind]
-    others.sort(key=lambda plan: -plan.robustness)
+        best_first = np.argsort(-score, kind="stable")
+        judged = [_Judged(float(score[index]), attempts, rollout, index) for index in best_first]
+        nearest = sorted([*nearest, *judged[:PARENTS]], key=lambda each: -each.robustness)[:PARENTS]
+        for each in judged:
+            if each.robustness >= 0:
+                found.setdefault(each.kind, each)
+        number += 1
+    others = [each.plan for kind, each in found.items() if kind != nearest[0].kind]
     spent = time.perf_counter() - began
-    return Answer(best, tuple(others[:MOST_ALTERNATIVES]), tried, spent)
+    return Answer(nearest[0].plan, tuple(others[:MOST_ALTERNATIVES]), tried, number, spent)
 
 
 def answer_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]]:
@@ -145,32 +185,32 @@ def tries(task: Task) -> int:
     return TRIED if physics_of(task.robot) is None else TRIED_IN_PHYSICS
 
 
-class _Chosen(NamedTuple):
-    schedules: np.ndarray  # [K, V]
-    kinds: list[Kind]  # [K]
+def _rounds(task: Task) -> int:
+    return ROUNDS if physics_of(task.robot) is None else ROUNDS_IN_PHYSICS
 
 
-def _of_every_kind(orders: np.ndarray, schedules: np.ndarray, count: int) -> _Chosen:
-    """K candidates: the best of each kind in turn, then the second best of each, and so on.
+class _Judged(NamedTuple):
+    """One of the attempts of a round, and how robust it was."""
 
-    Half of them are the best whatever their kind. Repeats fill up what is missing.
-    """
-    _, first = np.unique(schedules, axis=0, return_index=True)
-    distinct = np.sort(first)
-    kinds = [Kind(tuple(int(i) for i in row[row >= 0])) for row in orders]
-    rank: dict[Kind, int] = {}
-    turns = []
-    for index in distinct:
-        turns.append(rank.setdefault(kinds[index], 0))
-        rank[kinds[index]] += 1
-    half = distinct[: count // 2]
-    dealt = distinct[np.argsort(turns, kind="stable")]
-    rest = dealt[~np.isin(dealt, half)][: count - len(half)]
-    chosen = np.resize(np.concatenate([half, rest]), count)
-    return _Chosen(schedules[chosen], [kinds[index] for index in chosen])
+    robustness: float
+    attempts: Attempts
+    rollout: Rollout
+    index: int
 
+    @property
+    def kind(self) -> Kind:
+        return self.attempts.kinds[self.index]
 
-def _plan(chosen: _Chosen, rollout: Rollout, score: np.ndarray, index: int) -> Plan:
-    states, actions, margins = (np.asarray(trace)[:, index] for trace in rollout)
-    kind, schedule = chosen.kinds[index], chosen.schedules[index]
-    return Plan(schedule, kind, float(score[index]), states, actions, margins)
+    @property
+    def schedule(self) -> np.ndarray:
+        return self.attempts.schedules[self.index]
+
+    @property
+    def nudges(self) -> np.ndarray:
+        return self.attempts.nudges[:, self.index]
+
+    @property
+    def plan(self) -> Plan:
+        states, actions, margins = (np.asarray(trace)[:, self.index] for trace in self.rollout)
+        kind, schedule, nudges = self.kind, self.schedule, self.nudges
+        return Plan(schedule, kind, nudges, self.robustness, states, actions, margins)

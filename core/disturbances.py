@@ -99,6 +99,7 @@ def _as_planned(
         rows = np.resize(batch, count)  # filled up by repeats
         traces = np.stack([plans[row].states for row in rows], 1)
         schedules = np.stack([plans[row].schedule for row in rows])
+        nudges = np.stack([plans[row].nudges for row in rows], 1)
         rollout = None
         for number in range(len(drawn[0])):
             steps = np.array([drawn[row][number].step for row in rows])
@@ -106,7 +107,7 @@ def _as_planned(
                 push = drawn[row][number]
                 past = _pushed(task, traces[: push.step + 1, column], push)
                 traces[: push.step + 1, column] = past
-            rollout = roll_on(task, controller, traces, steps, schedules)
+            rollout = roll_on(task, controller, traces, steps, schedules, nudges)
             traces = np.array(rollout.states)
         assert rollout is not None
         found.append(rollout_robustness(task, rollout)[: len(batch)])

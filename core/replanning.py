@@ -19,7 +19,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import ROUNDS, Plan, answer_jobs, best_answer, tries
+from core.answer import THOROUGH, Effort, Plan, answer_jobs, best_answer, tries
 from core.candidates import BLOCK, Ranking, ranked
 from core.compilation import program, shape_of
 from core.controller import Controller
@@ -51,19 +51,19 @@ class Replanned:
     falsified: int | None
     """The step by which the past has made the formula false, whatever follows; else None."""
     tried: int
-    """Schedules carried out."""
+    """Attempts that were carried out."""
     seconds: float
     """Wall-clock time, compilation apart if it had been done before."""
 
 
-def replan(  # noqa: PLR0913
+def replan(
     task: Task,
     controller: Controller,
     past: Past,
     schedule: Sequence[int] | np.ndarray,
     *,
     seed: int = 0,
-    rounds: int = ROUNDS,
+    effort: Effort = THOROUGH,
 ) -> Replanned:
     """The most robust continuation that a bounded search finds.
 
@@ -76,7 +76,7 @@ def replan(  # noqa: PLR0913
         past: the trace so far.
         schedule: the one in force until now [V], padding included or not.
         seed: of the draws.
-        rounds: most rounds of the search.
+        effort: of the search.
 
     Raises:
         UserError: a past that is longer than the episode, or not one of this robot, or a schedule
@@ -98,13 +98,14 @@ def replan(  # noqa: PLR0913
         drawn = ranked(later(problem, step), controller, key, here)
         return _unspoilt(task, seen, step, _with_first(drawn, times))
 
-    def carry_out(schedules: np.ndarray) -> Rollout:
+    def carry_out(schedules: np.ndarray, nudges: np.ndarray) -> Rollout:
         count = len(schedules)
         repeated = np.repeat(trace[:, None], count, 1)
-        return roll_on(task, controller, repeated, np.full(count, step), schedules)
+        return roll_on(task, controller, repeated, np.full(count, step), schedules, nudges)
 
-    hopeless = falsified is not None or controller.search is None
-    found = best_answer(task, rank, carry_out, rounds=1 if hopeless else rounds)
+    if falsified is not None or controller.search is None:
+        effort = effort._replace(rounds=1)
+    found = best_answer(task, rank, carry_out, seed=seed, effort=effort)
     actions = np.concatenate([past.actions, found.plan.actions[step:]])
     plan = replace(found.plan, actions=actions)
     return Replanned(plan, step, falsified, found.tried, time.perf_counter() - began)

@@ -1,6 +1,6 @@
 """Rollouts of controllers, and their choice of schedules.
 
-Dimensions: R rollouts, L steps, K candidates, V variables, n state, m action, A atoms.
+Dimensions: R rollouts, L steps, V variables, n state, m action, A atoms.
 """
 
 from collections.abc import Callable
@@ -32,14 +32,39 @@ start_states = program(initial_states)
 """`start_states(problem, key, count=R)`: compiled `initial_states`."""
 
 
-def roll_out(task: Task, controller: Controller, states: Array, schedules: Array) -> Rollout:
-    """Carry out schedules [R, V] from states [R, n], in the robot's true physics."""
+def roll_out(
+    task: Task,
+    controller: Controller,
+    states: Array,
+    schedules: Array,
+    nudges: np.ndarray | None = None,
+) -> Rollout:
+    """Carry out schedules [R, V] from states [R, n], in the robot's true physics.
+
+    Args:
+        task: the grounded task.
+        controller: carries out the schedules.
+        states: [R, n].
+        schedules: [R, V].
+        nudges: added to its actions [L, R, m]; nothing if None.
+    """
     physics, problem = physics_of(task.robot), task.problem
+    added = no_nudges(task, len(states)) if nudges is None else nudges
     if physics is None:
-        return _roll_out(problem, controller, states, schedules, steps=task.padded_horizon)
+        return _roll_out(problem, controller, states, schedules, jnp.asarray(added))
     return _simulated(
-        task, controller, states, schedules, lambda _, state, action: physics.step(state, action)
+        task,
+        controller,
+        states,
+        schedules,
+        added,
+        lambda _, state, action: physics.step(state, action),
     )
+
+
+def no_nudges(task: Task, count: int) -> np.ndarray:
+    """Zeros [L, R, m] for R = count rollouts."""
+    return np.zeros((task.padded_horizon, count, task.robot.action_size), np.float32)
 
 
 def roll_out_choice(
@@ -56,7 +81,12 @@ def roll_out_choice(
 
 
 def roll_on(
-    task: Task, controller: Controller, past: np.ndarray, known: np.ndarray, schedules: np.ndarray
+    task: Task,
+    controller: Controller,
+    past: np.ndarray,
+    known: np.ndarray,
+    schedules: np.ndarray,
+    nudges: np.ndarray | None = None,
 ) -> Rollout:
     """Carry on from the middle of episodes.
 
@@ -69,11 +99,14 @@ def roll_on(
         past: states [L + 1, R, n], of which steps 0 to `known` count.
         known: last known step of each rollout [R].
         schedules: [R, V].
+        nudges: added to its actions [L, R, m]; nothing if None.
     """
     physics, problem = physics_of(task.robot), task.problem
     given, chosen = jnp.asarray(past, jnp.float32), jnp.asarray(schedules)
+    added = no_nudges(task, len(schedules)) if nudges is None else nudges
     if physics is None:
-        return _roll_on(problem, controller, given, jnp.asarray(known, jnp.int32), chosen)
+        steps = jnp.asarray(known, jnp.int32)
+        return _roll_on(problem, controller, given, steps, chosen, jnp.asarray(added))
 
     def after(step: int, state: np.ndarray, action: np.ndarray) -> np.ndarray:
         free = known <= step
@@ -81,7 +114,7 @@ def roll_on(
             return past[step + 1]
         return np.where(free[:, None], physics.step(state, action), past[step + 1])
 
-    return _simulated(task, controller, given[0], chosen, after)
+    return _simulated(task, controller, given[0], chosen, added, after)
 
 
 def _simulated(
@@ -89,6 +122,7 @@ def _simulated(
     controller: Controller,
     states: Array,
     schedules: Array,
+    nudges: np.ndarray,
     after: Callable[[int, np.ndarray, np.ndarray], Any],
 ) -> Rollout:
     """Rollouts in true physics; `after` gives the states [R, n] that follow a step."""
@@ -96,7 +130,7 @@ def _simulated(
     visited, actions = [np.asarray(states)], []
     for step in range(task.padded_horizon):
         memory, action = _step(task.problem, controller, memory, visited[-1])
-        actions.append(np.asarray(action))
+        actions.append(np.asarray(action) + nudges[step])
         visited.append(np.asarray(after(step, visited[-1], actions[-1]), np.float32))
     trace = jnp.asarray(np.stack(visited))
     return Rollout(trace, jnp.asarray(np.stack(actions)), _margins(task.problem, trace))
@@ -109,7 +143,8 @@ def roll_on_jobs(task: Task, controller: Controller, count: int) -> list[Callabl
     past = shape_of(task.padded_horizon + 1, count, task.robot.state_size, dtype=jnp.float32)
     schedules = shape_of(count, *task.problem.formula.low.shape, dtype=jnp.int32)
     known = shape_of(count, dtype=jnp.int32)
-    return [partial(_roll_on.compile, task.problem, controller, past, known, schedules)]
+    nudges = _nudges_shape(task, count)
+    return [partial(_roll_on.compile, task.problem, controller, past, known, schedules, nudges)]
 
 
 def rollout_jobs(task: Task, controller: Controller, count: int) -> list[Callable[[], Any]]:
@@ -123,8 +158,8 @@ def rollout_jobs(task: Task, controller: Controller, count: int) -> list[Callabl
     ]
     physics = physics_of(task.robot)
     if physics is None:
-        rolled = partial(_roll_out.compile, problem, controller, states, schedules, steps=steps)
-        return [*jobs, rolled]
+        nudges = _nudges_shape(task, count)
+        return [*jobs, partial(_roll_out.compile, problem, controller, states, schedules, nudges)]
     memory = _start.shapes(problem, controller, states, schedules)
     return [
         *jobs,
@@ -133,6 +168,10 @@ def rollout_jobs(task: Task, controller: Controller, count: int) -> list[Callabl
         partial(_step.compile, problem, controller, memory, states),
         partial(_margins.compile, problem, shape_of(steps + 1, count, size, dtype=jnp.float32)),
     ]
+
+
+def _nudges_shape(task: Task, count: int) -> Any:
+    return shape_of(task.padded_horizon, count, task.robot.action_size, dtype=jnp.float32)
 
 
 @program
@@ -150,17 +189,20 @@ _margins = program(trace_margins)
 
 @program
 def _roll_out(
-    problem: Problem, controller: Controller, states: Array, schedules: Array, *, steps: int
+    problem: Problem, controller: Controller, states: Array, schedules: Array, nudges: Array
 ) -> Rollout:
     """Rollouts by the robot's own `step`."""
-    return _rolled(
-        problem, controller, states, schedules, jnp.arange(steps), lambda after, _: after
-    )
+    return _rolled(problem, controller, states, schedules, nudges, None, lambda after, _: after)
 
 
 @program
 def _roll_on(
-    problem: Problem, controller: Controller, past: Array, known: Array, schedules: Array
+    problem: Problem,
+    controller: Controller,
+    past: Array,
+    known: Array,
+    schedules: Array,
+    nudges: Array,
 ) -> Rollout:
     """Rollouts by the robot's own `step` after steps [R] of the past [L + 1, R, n]."""
 
@@ -169,7 +211,7 @@ def _roll_on(
         return jnp.where((number <= known)[:, None], seen, after)
 
     numbered = jnp.arange(1, past.shape[0]), past[1:]
-    return _rolled(problem, controller, past[0], schedules, numbered, settle)
+    return _rolled(problem, controller, past[0], schedules, nudges, numbered, settle)
 
 
 def _rolled(
@@ -177,18 +219,21 @@ def _rolled(
     controller: Controller,
     states: Array,
     schedules: Array,
+    nudges: Array,
     given: Any,
     settle: Callable[[Array, Any], Array],
 ) -> Rollout:
     """Rollouts; `settle` has the last word on the states [R, n] after each of the L `given`."""
 
-    def step(carry: tuple[Any, Array], now: Any):
+    def step(carry: tuple[Any, Array], now: tuple[Array, Any]):
         memory, state = carry
+        nudge, known = now
         memory, action = jax.vmap(partial(controller.step, problem))(memory, state)
-        after = settle(jax.vmap(problem.robot.step)(state, action), now)
+        action = action + nudge
+        after = settle(jax.vmap(problem.robot.step)(state, action), known)
         return (memory, after), (after, action)
 
     memory = jax.vmap(partial(controller.start, problem))(states, schedules)
-    _, (visited, actions) = jax.lax.scan(step, (memory, states), given)
+    _, (visited, actions) = jax.lax.scan(step, (memory, states), (nudges, given))
     visited = jnp.concatenate([states[None], visited])
     return Rollout(visited, actions, trace_margins(problem, visited))

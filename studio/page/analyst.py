@@ -252,7 +252,12 @@ class Analyst:
             sample = Answer(subject, random_starts(subject, self._samples))
             self._publish(subject, request, sample=sample)
         elif request.schedule is None:
-            self._publish(subject, request, answer=planned(subject, self.start, request.asked))
+
+            def interrupted() -> bool:
+                return self._request is not request or self._subject is not subject
+
+            found = planned(subject, self.start, request.asked, interrupted)
+            self._publish(subject, request, answer=found)
         else:
             recording = rolled_out(subject, self.start, request.schedule)
             self._publish(subject, request, answer=Answer(subject, (recording,)))

@@ -1,12 +1,13 @@
 """What a controller answers: a plan, the rollout of a schedule, rollouts from random starts."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import answer, answer_jobs, tries
+from core.answer import Effort, Plan, answer, answer_jobs, tries
 from core.candidates import choose_schedules
 from core.compilation import compile_together
 from core.replanning import Past, replan, replan_jobs
@@ -53,15 +54,22 @@ class Answer(NamedTuple):
     """Set where a rollout goes on after the robot was moved."""
 
 
-def planned(subject: Subject, start: tuple[float, ...] | None, asked: bool) -> Answer:
-    """The best plan from the start that a bounded search finds, and plans of other kinds."""
+def planned(
+    subject: Subject,
+    start: tuple[float, ...] | None,
+    asked: bool,
+    interrupted: Callable[[], bool],
+) -> Answer:
+    """The best plan from the start that a bounded search finds, and plans of other kinds.
+
+    A policy that was trained on the scene shows what it can do by itself: its actions are not
+    nudged.
+    """
     task, controller = subject.task, subject.controller
     compile_together(*answer_jobs(task, controller))  # so that the time told is the answer's
-    found = answer(task, controller, initial_state(task, start))
-    recordings = [
-        record(task, _times(subject, plan.schedule), plan.states, plan.actions, plan.margins)
-        for plan in (found.plan, *found.alternatives)
-    ]
+    effort = Effort(nudging=subject.chains is None, interrupted=interrupted)
+    found = answer(task, controller, initial_state(task, start), effort=effort)
+    recordings = [_recorded(subject, plan) for plan in (found.plan, *found.alternatives)]
     return Answer(subject, (recordings[0],), tuple(recordings[1:]), found.seconds, asked)
 
 
@@ -72,15 +80,8 @@ def moved_on(subject: Subject, move: Move) -> Answer:
     states = np.concatenate([before.states[:step], move.state[None]])
     past = Past(states, before.actions[:step])
     found = replan(task, controller, past, before.schedule)
-    plan = found.plan
-    recording = record(
-        task,
-        _times(subject, plan.schedule),
-        plan.states,
-        plan.actions,
-        plan.margins,
-        moves=(*(each for each in before.moves if each < step), step),
-    )
+    moves = (*(each for each in before.moves if each < step), step)
+    recording = _recorded(subject, found.plan, moves)
     told = Moved(step, found.falsified, found.seconds)
     return Answer(subject, (recording,), moved=told)
 
@@ -115,6 +116,18 @@ def random_starts(subject: Subject, seed: int) -> tuple[Recording, ...]:
             for index, schedule in enumerate(np.asarray(schedules))
         ]
     return tuple(found[:SAMPLE])
+
+
+def _recorded(subject: Subject, plan: Plan, moves: tuple[int, ...] = ()) -> Recording:
+    return record(
+        subject.task,
+        _times(subject, plan.schedule),
+        plan.states,
+        plan.actions,
+        plan.margins,
+        moves=moves,
+        nudged=plan.nudged,
+    )
 
 
 def _times(subject: Subject, schedule: Any) -> Any | None:

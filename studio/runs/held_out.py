@@ -39,6 +39,8 @@ class HeldOut(msgspec.Struct, kw_only=True, frozen=True):
     """Tasks that the critic's one choice solves from at least 90 % of the starts."""
     simulated: Count
     """The same where the best of several simulated schedules is carried out."""
+    answered: Count | None = None
+    """The same for whole answers; None where it was not measured."""
     chosen_mean: Share
     """Success rate of the one choice, mean over the tasks."""
     simulated_mean: Share
@@ -68,6 +70,8 @@ class Rates(NamedTuple):
     """Of the critic's one choice."""
     simulated: float
     """Of the best of several schedules that are simulated."""
+    answered: float
+    """Of whole answers: more schedules, and nudges, where none of those satisfies."""
     seconds: tuple[float, ...]
     """Time of each simulated answer; the first may have compiled."""
 
@@ -83,19 +87,22 @@ def rates(task: Task, controller: Controller, *, states: int, starts: int) -> Ra
     """
     chosen = evaluate(task, controller, jax.random.key(0), count=states).success_rate
     initial = start_states(task.problem, jax.random.key(1), count=starts)
-    answers = [answer(task, controller, state, rounds=1) for state in initial]
-    simulated = float(np.mean([found.plan.satisfied for found in answers]))
-    return Rates(chosen, simulated, tuple(found.seconds for found in answers))
+    answers = [answer(task, controller, state) for state in initial]
+    answered = np.array([found.plan.satisfied for found in answers])
+    simulated = answered & [found.rounds == 1 for found in answers]
+    seconds = tuple(found.seconds for found in answers)
+    return Rates(chosen, float(simulated.mean()), float(answered.mean()), seconds)
 
 
 def summary(name: str, found: Sequence[Rates]) -> HeldOut:
     """Results on the tasks of a set together."""
-    chosen, simulated = np.array([row[:2] for row in found]).T
+    chosen, simulated, answered = np.array([row[:3] for row in found]).T
     return HeldOut(
         name=name,
         tasks=len(found),
         chosen=int((chosen >= GOOD).sum()),
         simulated=int((simulated >= GOOD).sum()),
+        answered=int((answered >= GOOD).sum()),
         chosen_mean=float(chosen.mean()),
         simulated_mean=float(simulated.mean()),
     )

@@ -50,6 +50,7 @@ def plan(options: Options) -> int:
         "satisfied": found.plan.satisfied,
         "success_rate": sample.success_rate,
         "robustness": found.plan.robustness,
+        "nudged": found.plan.nudged,
         "between": between(task, found.plan.states).document(),
         "between_rate": sample.between_rate,
         "schedule": named_times(task, found.plan.schedule),

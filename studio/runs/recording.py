@@ -55,6 +55,8 @@ class Recording:
     """Steps at which somebody has put the robot somewhere else."""
     between: Between = Between(np.inf)
     """What it does between the steps."""
+    nudged: bool = False
+    """Whether the policy alone does not repeat it (see `core.nudges`)."""
 
     @property
     def satisfied(self) -> bool:
@@ -110,6 +112,7 @@ def record(
     margins: np.ndarray,
     *,
     moves: tuple[int, ...] = (),
+    nudged: bool = False,
 ) -> Recording:
     """Judge one simulated trace.
 
@@ -121,6 +124,7 @@ def record(
         actions: [L, m].
         margins: [L + 1, A] of the atoms [m], padding included or not.
         moves: steps at which somebody has put the robot somewhere else.
+        nudged: whether its actions were nudged.
     """
     length = task.horizon + 1
     states, actions = np.asarray(states)[:length], np.asarray(actions)[: length - 1]
@@ -133,7 +137,9 @@ def record(
     flat[:, : position.shape[1]] = position
     verdict = float(verdicts(task, states[:, None], margins[:, None])[0])
     outcomes, found = _outcomes(task, chosen, margins), between(task, states)
-    return Recording(task, chosen, states, actions, margins, flat, verdict, outcomes, moves, found)
+    return Recording(
+        task, chosen, states, actions, margins, flat, verdict, outcomes, moves, found, nudged
+    )
 
 
 def _outcomes(task: Task, schedule: tuple[int, ...], margins: np.ndarray) -> tuple[Outcome, ...]:

@@ -4,8 +4,8 @@
     python -m tests.tools.answers ant --weights runs/w/weights.safetensors --starts 8
 
 For each set of tasks: how many are solved (from at least 90 % of the starts) by the critic's one
-choice and by the best of several simulated schedules, and how long an answer takes. Prints a
-Markdown table. Run it on a machine that does nothing else.
+choice, by the best of several simulated schedules, and by whole answers; and how long an answer
+takes. Prints a Markdown table. Run it on a machine that does nothing else.
 """
 
 import argparse
@@ -30,8 +30,8 @@ SEED = 2**22
 
 
 COLUMNS = (
-    *("set", "tasks", "one choice >= 0.9", "simulated >= 0.9", "one choice, mean"),
-    *("simulated, mean", "answer, median / p95 [s]"),
+    *("set", "tasks", "one choice >= 0.9", "simulated >= 0.9", "answered >= 0.9"),
+    *("one choice, mean", "simulated, mean", "answer, median / p95 [s]"),
 )
 
 
@@ -86,7 +86,7 @@ def main() -> None:
         row = summary(name, found)
         seconds = np.concatenate([each.seconds for each in found])
         print(
-            f"| {name} | {row.tasks} | {row.chosen} | {row.simulated} | "
+            f"| {name} | {row.tasks} | {row.chosen} | {row.simulated} | {row.answered} | "
             f"{row.chosen_mean:.3f} | {row.simulated_mean:.3f} | "
             f"{np.median(seconds):.2f} / {np.quantile(seconds, 0.95):.2f} |",
             flush=True,

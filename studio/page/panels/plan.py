@@ -26,10 +26,10 @@ def plan_html(session: Session) -> str:
     if not recording.satisfied:
         lack = f"misses by {-recording.robustness:.2f} m"
         return note(f"No plan found without training: the best attempt {lack}. Train.", "warn")
-    return (
-        f'<div class="tg tg-plan">Planned without training in {found.seconds:.2f} s'
-        f"{_share(session)}</div>"
-    )
+    told = f"Planned without training in {found.seconds:.2f} s"
+    if recording.nudged:
+        told += ", by nudging the weights' actions for this start"
+    return f'<div class="tg tg-plan">{told}{_share(session, recording.nudged)}</div>'
 
 
 def moved_html(session: Session) -> str:
@@ -48,8 +48,9 @@ def moved_html(session: Session) -> str:
     if not shown.satisfied:
         text = f"Moved at step {step}; no continuation was found in {seconds:.2f} s: {why}"
         return note(text, "warn")
+    how = ", by nudging actions" if shown.nudged else ""
     return (
-        f'<div class="tg tg-plan">Moved at step {step}; planned anew in {seconds:.2f} s: '
+        f'<div class="tg tg-plan">Moved at step {step}; planned anew in {seconds:.2f} s{how}: '
         "satisfied.</div>"
     )
 
@@ -71,8 +72,9 @@ def order_text(recording: Recording) -> str:
     return " → ".join(dict.fromkeys(names)) or "plan"
 
 
-def _share(session: Session) -> str:
+def _share(session: Session, nudged: bool) -> str:
     share, found = session.analyst.share, session.analyst.answer
     if share is None or found is None or share.subject is not found.subject:
         return "."
-    return f"; {share.succeeded} of {share.starts} starts succeed."
+    succeeded = f"{share.succeeded} of {share.starts} starts succeed"
+    return f". Without nudges {succeeded}." if nudged else f"; {succeeded}."

@@ -1,0 +1,22 @@
+"""Nudges: their size, and how smooth they are."""
+
+import numpy as np
+
+from core.nudges import PERSISTENCE, SCALE, SIZES, drawn_nudges
+
+
+def test_nudges_are_smooth_and_of_three_sizes():
+    nudges = drawn_nudges(np.random.default_rng(0), 4000, 30, 2)
+    assert nudges.shape == (4000, 30, 2) and nudges.dtype == np.float32
+    deviation = nudges.std((0, 2))
+    nearest = SCALE * np.array(SIZES)[np.abs(deviation[:, None] / SCALE - SIZES).argmin(1)]
+    np.testing.assert_allclose(deviation, nearest, rtol=0.15)
+    assert len(np.unique(nearest)) == len(SIZES)
+    scaled = nudges / deviation[:, None]
+    correlation = (scaled[1:] * scaled[:-1]).mean()
+    assert abs(correlation - PERSISTENCE) < 0.03
+
+
+def test_nudges_of_the_same_seed_are_the_same():
+    first, second = (drawn_nudges(np.random.default_rng(3), 20, 4, 1) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
