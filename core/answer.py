@@ -22,7 +22,7 @@ from core.attempts import Attempts, Kind, of_every_kind, with_nudged
 from core.candidates import Ranking, ranked
 from core.controller import Controller
 from core.evaluation import rollout_robustness
-from core.nudges import PARENTS
+from core.nudges import PARENTS, deciding_step
 from core.rollout import Rollout, no_nudges, roll_out, rollout_jobs
 from core.task.physics import physics_of
 from core.task.protocols import Array
@@ -31,10 +31,10 @@ from core.task.task import Task
 TRIED, TRIED_IN_PHYSICS = 64, 8
 """K, schedules that are carried out in a round, by the robot's own `step` or in true physics."""
 
-ROUNDS, ROUNDS_IN_PHYSICS = 16, 4
+ROUNDS, ROUNDS_IN_PHYSICS = 24, 4
 """Rounds before the answer is that no plan was found."""
 
-DRAWS = 4
+DRAWS = 3
 """Rounds that have new schedules, whose drawing takes longer than to carry them out."""
 
 NUDGED = 0.75
@@ -208,6 +208,11 @@ class _Judged(NamedTuple):
     @property
     def nudges(self) -> np.ndarray:
         return self.attempts.nudges[:, self.index]
+
+    @property
+    def deciding_step(self) -> int | None:
+        margins = np.asarray(self.rollout.margins[:, self.index])
+        return deciding_step(self.robustness, margins)
 
     @property
     def plan(self) -> Plan:

@@ -51,6 +51,11 @@ class Parent(Protocol):
         """[L, m]."""
         ...
 
+    @property
+    def deciding_step(self) -> int | None:
+        """The step that decided its robustness, if it is known."""
+        ...
+
 
 def of_every_kind(ranking: Ranking, nudges: np.ndarray) -> Attempts:
     """K candidates: the best of each kind in turn, then the second best of each, and so on.
@@ -81,12 +86,20 @@ def of_every_kind(ranking: Ranking, nudges: np.ndarray) -> Attempts:
 def with_nudged(
     random: np.random.Generator, attempts: Attempts, parents: Sequence[Parent], *, share: float
 ) -> Attempts:
-    """The attempts, a share of them replaced by the parents in turn, with further nudges."""
+    """The attempts, a share of them replaced by the parents in turn, with further nudges.
+
+    Half of these are focused on the step that decided a parent's robustness.
+    """
     steps, count, size = attempts.nudges.shape
     kept = count - int(share * count)
     dealt = [parents[number % len(parents)] for number in range(count - kept)]
     nudges = np.stack([parent.nudges for parent in dealt], 1)
-    nudges = nudges + drawn_nudges(random, steps, count - kept, size)
+    turns = [number // len(parents) for number in range(count - kept)]
+    focus = [
+        parent.deciding_step if turn % 2 == 0 else None
+        for parent, turn in zip(dealt, turns, strict=True)
+    ]
+    nudges = nudges + drawn_nudges(random, steps, size, focus)
     schedules = np.stack([parent.schedule for parent in dealt])
     return Attempts(
         np.concatenate([attempts.schedules[:kept], schedules]),

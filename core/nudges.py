@@ -2,21 +2,24 @@
 
 Weights that never saw a scene may pass a gap a hand's breadth too far left with every schedule;
 then other schedules help little, and other actions much. So smooth random numbers are added to
-the actions of the most robust attempts, the controller goes on to react to where that leads it,
-and what comes out more robust is varied in its turn: an evolution strategy around a closed loop.
+the actions of the most robust attempts, all along or around the step that decided the robustness;
+the controller goes on to react to where that leads it, and what comes out more robust is varied in
+its turn: an evolution strategy around a closed loop.
 
 A nudged plan is a trace like any other, but it belongs to one start: the controller alone does
 not repeat it.
 
-Dimensions: L steps, K attempts, m action.
+Dimensions: L steps, K attempts, m action, A atoms.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
 PARENTS = 8
 """The most robust attempts, which are varied in turn."""
 
-SCALE = 0.2
+SCALE = 0.15
 """Standard deviation of a nudge of middle size; actions are in [-1, 1]."""
 
 SIZES = (0.3, 1.0, 2.0)
@@ -25,12 +28,44 @@ SIZES = (0.3, 1.0, 2.0)
 PERSISTENCE = 0.8
 """Correlation of the nudges of two steps in a row."""
 
+BEFORE, AFTER = 30, 8
+"""Most steps of a focused nudge before and after the step that decided the robustness."""
 
-def drawn_nudges(random: np.random.Generator, steps: int, count: int, size: int) -> np.ndarray:
-    """Smooth random numbers [L, K, m], a stationary autoregression of the first order."""
-    fresh = random.normal(size=(steps, count, size))
+FOCUSED = 3.0
+"""How much larger focused nudges are."""
+
+
+def drawn_nudges(
+    random: np.random.Generator, steps: int, size: int, focus: Sequence[int | None]
+) -> np.ndarray:
+    """Smooth random numbers [L, K, m], a stationary autoregression of the first order.
+
+    Args:
+        random: where they come from.
+        steps: L.
+        size: m.
+        focus: the step around which each attempt is nudged; None: all along [K].
+    """
+    count = len(focus)
+    nudges = random.normal(size=(steps, count, size))
     innovation = np.sqrt(1 - PERSISTENCE**2)
     for step in range(1, steps):
-        fresh[step] = PERSISTENCE * fresh[step - 1] + innovation * fresh[step]
-    sizes = SCALE * random.choice(SIZES, size=(count, 1))
-    return (sizes * fresh).astype(np.float32)
+        nudges[step] = PERSISTENCE * nudges[step - 1] + innovation * nudges[step]
+    nudges *= SCALE * random.choice(SIZES, size=(count, 1))
+    before, after = (random.integers(1, most, size=count) for most in (BEFORE, AFTER))
+    for index, middle in enumerate(focus):
+        if middle is not None:
+            nudges[:, index] *= FOCUSED
+            nudges[: max(0, middle - before[index]), index] = 0
+            nudges[middle + after[index] :, index] = 0
+    return nudges.astype(np.float32)
+
+
+def deciding_step(robustness: float, margins: np.ndarray) -> int | None:
+    """The first step at which a margin of the trace [L + 1, A] is as large as its robustness.
+
+    None where there is none: the robustness may be a bound on what happens between the steps.
+    """
+    close = np.abs(np.abs(margins) - abs(robustness)) < 1e-6
+    steps = np.flatnonzero(close.any(1))
+    return int(steps[0]) if steps.size else None

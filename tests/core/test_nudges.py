@@ -1,12 +1,12 @@
-"""Nudges: their size, and how smooth they are."""
+"""Nudges: their size, how smooth they are, and where they are focused."""
 
 import numpy as np
 
-from core.nudges import PERSISTENCE, SCALE, SIZES, drawn_nudges
+from core.nudges import AFTER, BEFORE, PERSISTENCE, SCALE, SIZES, deciding_step, drawn_nudges
 
 
 def test_nudges_are_smooth_and_of_three_sizes():
-    nudges = drawn_nudges(np.random.default_rng(0), 4000, 30, 2)
+    nudges = drawn_nudges(np.random.default_rng(0), 4000, 2, [None] * 30)
     assert nudges.shape == (4000, 30, 2) and nudges.dtype == np.float32
     deviation = nudges.std((0, 2))
     nearest = SCALE * np.array(SIZES)[np.abs(deviation[:, None] / SCALE - SIZES).argmin(1)]
@@ -17,6 +17,22 @@ def test_nudges_are_smooth_and_of_three_sizes():
     assert abs(correlation - PERSISTENCE) < 0.03
 
 
+def test_focused_nudges_are_around_a_step():
+    nudges = drawn_nudges(np.random.default_rng(1), 100, 2, [50] * 40 + [0, 99])
+    steps = np.flatnonzero(nudges[:, :40].any((1, 2)))
+    assert 50 - BEFORE <= steps.min() < 40 and 50 < steps.max() < 50 + AFTER
+    assert nudges[0, 40].any() and nudges[99, 41].any()
+
+
 def test_nudges_of_the_same_seed_are_the_same():
-    first, second = (drawn_nudges(np.random.default_rng(3), 20, 4, 1) for _ in range(2))
+    first, second = (
+        drawn_nudges(np.random.default_rng(3), 20, 1, [None, 5, None, 7]) for _ in range(2)
+    )
     np.testing.assert_array_equal(first, second)
+
+
+def test_the_deciding_step_has_the_margin_of_the_robustness():
+    margins = np.array([[0.5, 2.0], [-0.25, 1.0], [0.75, 0.25]])
+    assert deciding_step(-0.25, margins) == 1
+    assert deciding_step(-1.0, margins) == 1  # of a negation
+    assert deciding_step(0.1, margins) is None
