@@ -162,9 +162,9 @@ def best_answer(
             attempts = with_nudged(random, attempts, nearest, share=NUDGED if number < DRAWS else 1)
         tried += attempts.distinct
         rollout = carry_out(attempts.schedules, attempts.nudges)
-        score = rollout_robustness(task, rollout)
+        score, traces = rollout_robustness(task, rollout), [np.asarray(each) for each in rollout]
         best_first = np.argsort(-score, kind="stable")
-        judged = [_Judged(float(score[index]), attempts, rollout, index) for index in best_first]
+        judged = [_Judged(float(score[index]), attempts, traces, index) for index in best_first]
         nearest = sorted([*nearest, *judged[:PARENTS]], key=lambda each: -each.robustness)[:PARENTS]
         for each in judged:
             if each.robustness >= 0:
@@ -194,7 +194,8 @@ class _Judged(NamedTuple):
 
     robustness: float
     attempts: Attempts
-    rollout: Rollout
+    traces: list[np.ndarray]
+    """States, actions and margins, as of a `Rollout`."""
     index: int
 
     @property
@@ -211,11 +212,10 @@ class _Judged(NamedTuple):
 
     @property
     def deciding_step(self) -> int | None:
-        margins = np.asarray(self.rollout.margins[:, self.index])
-        return deciding_step(self.robustness, margins)
+        return deciding_step(self.robustness, self.traces[2][:, self.index])
 
     @property
     def plan(self) -> Plan:
-        states, actions, margins = (np.asarray(trace)[:, self.index] for trace in self.rollout)
+        states, actions, margins = (trace[:, self.index] for trace in self.traces)
         kind, schedule, nudges = self.kind, self.schedule, self.nudges
         return Plan(schedule, kind, nudges, self.robustness, states, actions, margins)

@@ -94,11 +94,8 @@ def with_nudged(
     kept = count - int(share * count)
     dealt = [parents[number % len(parents)] for number in range(count - kept)]
     nudges = np.stack([parent.nudges for parent in dealt], 1)
-    turns = [number // len(parents) for number in range(count - kept)]
-    focus = [
-        parent.deciding_step if turn % 2 == 0 else None
-        for parent, turn in zip(dealt, turns, strict=True)
-    ]
+    two_turns = [*(parent.deciding_step for parent in parents), *(None for _ in parents)]
+    focus = [two_turns[number % len(two_turns)] for number in range(count - kept)]
     nudges = nudges + drawn_nudges(random, steps, size, focus)
     schedules = np.stack([parent.schedule for parent in dealt])
     return Attempts(

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-from core.answer import answer
+from core.answer import Effort, answer
 from core.controller import Controller
 from core.documents import Share
 from core.evaluation import evaluate
@@ -27,6 +27,8 @@ REPORTED = 2**21
 """First seed of the missions that are reported on; no training draws them."""
 
 
+ONE_ROUND = Effort(rounds=1)
+
 Count = Annotated[int, Meta(ge=0)]
 
 
@@ -39,8 +41,6 @@ class HeldOut(msgspec.Struct, kw_only=True, frozen=True):
     """Tasks that the critic's one choice solves from at least 90 % of the starts."""
     simulated: Count
     """The same where the best of several simulated schedules is carried out."""
-    answered: Count | None = None
-    """The same for whole answers; None where it was not measured."""
     chosen_mean: Share
     """Success rate of the one choice, mean over the tasks."""
     simulated_mean: Share
@@ -68,41 +68,49 @@ class Rates(NamedTuple):
 
     chosen: float
     """Of the critic's one choice."""
-    simulated: float
-    """Of the best of several schedules that are simulated."""
-    answered: float
-    """Of whole answers: more schedules, and nudges, where none of those satisfies."""
+    rounds: tuple[int, ...]
+    """Rounds of each answer until it satisfied the formula; 0 where it does not."""
     seconds: tuple[float, ...]
-    """Time of each simulated answer; the first may have compiled."""
+    """Time of each answer; the first may have compiled."""
+
+    @property
+    def simulated(self) -> float:
+        """Of the best of several schedules that are simulated: answers of one round."""
+        return float(np.mean(np.array(self.rounds) == 1))
+
+    @property
+    def answered(self) -> float:
+        """Of answers of all their rounds."""
+        return float(np.mean(np.array(self.rounds) > 0))
 
 
-def rates(task: Task, controller: Controller, *, states: int, starts: int) -> Rates:
+def rates(
+    task: Task, controller: Controller, *, states: int, starts: int, effort: Effort = ONE_ROUND
+) -> Rates:
     """Success rates from random initial states.
 
     Args:
         task: the grounded task.
         controller: made of the weights.
         states: initial states for the one choice.
-        starts: initial states for the simulated answers.
+        starts: initial states for the answers.
+        effort: of each answer.
     """
     chosen = evaluate(task, controller, jax.random.key(0), count=states).success_rate
     initial = start_states(task.problem, jax.random.key(1), count=starts)
-    answers = [answer(task, controller, state) for state in initial]
-    answered = np.array([found.plan.satisfied for found in answers])
-    simulated = answered & [found.rounds == 1 for found in answers]
-    seconds = tuple(found.seconds for found in answers)
-    return Rates(chosen, float(simulated.mean()), float(answered.mean()), seconds)
+    answers = [answer(task, controller, state, effort=effort) for state in initial]
+    rounds = tuple(found.rounds if found.plan.satisfied else 0 for found in answers)
+    return Rates(chosen, rounds, tuple(found.seconds for found in answers))
 
 
 def summary(name: str, found: Sequence[Rates]) -> HeldOut:
     """Results on the tasks of a set together."""
-    chosen, simulated, answered = np.array([row[:3] for row in found]).T
+    chosen, simulated = np.array([(row.chosen, row.simulated) for row in found]).T
     return HeldOut(
         name=name,
         tasks=len(found),
         chosen=int((chosen >= GOOD).sum()),
         simulated=int((simulated >= GOOD).sum()),
-        answered=int((answered >= GOOD).sum()),
         chosen_mean=float(chosen.mean()),
         simulated_mean=float(simulated.mean()),
     )

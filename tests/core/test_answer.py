@@ -167,7 +167,7 @@ def test_a_search_ends_with_what_it_has_when_it_is_interrupted(task):
 
 def test_parents_are_varied_in_turn_and_new_schedules_kept():
     drawn = Attempts(np.arange(8)[:, None], [Kind((0,))] * 8, np.zeros((5, 8, 2)))
-    parents = [
+    parents: list[Any] = [
         SimpleNamespace(
             schedule=np.array([100 + number]),
             kind=Kind((1,)),

@@ -16,11 +16,12 @@ from collections.abc import Iterator
 import jax
 import numpy as np
 
+from core.answer import THOROUGH
 from core.compilation import use_disk_cache
 from core.task.task import Task
 from scenes import load_task
 from scenes.missions import HELD_OUT, SHIPPED_HELD_OUT, SHIPPED_TRAINED
-from studio.runs.held_out import rates, summary
+from studio.runs.held_out import GOOD, rates, summary
 from studio.runs.missions import ShippedMissions, mission
 from studio.runs.pretrained import chosen_weights
 from studio.runs.tasks import build_task
@@ -80,13 +81,20 @@ def main() -> None:
     print("| --- " * len(COLUMNS) + "|")
     for name, tasks in sets(options.robot, options.missions, options.layouts):
         found = [
-            rates(one, weights.controller, states=options.states, starts=options.starts)
+            rates(
+                one,
+                weights.controller,
+                states=options.states,
+                starts=options.starts,
+                effort=THOROUGH,
+            )
             for one in tasks
         ]
         row = summary(name, found)
+        answered = sum(each.answered >= GOOD for each in found)
         seconds = np.concatenate([each.seconds for each in found])
         print(
-            f"| {name} | {row.tasks} | {row.chosen} | {row.simulated} | {row.answered} | "
+            f"| {name} | {row.tasks} | {row.chosen} | {row.simulated} | {answered} | "
             f"{row.chosen_mean:.3f} | {row.simulated_mean:.3f} | "
             f"{np.median(seconds):.2f} / {np.quantile(seconds, 0.95):.2f} |",
             flush=True,

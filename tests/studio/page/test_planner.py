@@ -11,6 +11,7 @@ from core.methods import METHODS
 from core.methods.training import TrainingConfig
 from scenes import load_task
 from studio.page import analyst, trainer
+from studio.page.panels.plan import plan_html
 from studio.page.planner import Planner
 from studio.page.session import Session
 from studio.page.trainer import Phase
@@ -88,6 +89,26 @@ def test_a_region_that_is_dragged_is_followed_before_it_is_let_go(session):
     session.post(lambda: session.document.move(name, [c + 0.1 for c in center], "drag"))
     assert ticked(session, lambda: playing(session) not in (None, first))
     assert session.editor.dragging
+
+
+@pytest.mark.parametrize(
+    ("nudged", "text"),
+    [
+        (False, "Planned without training in 0.50 s; 3 of 64 starts succeed."),
+        (
+            True,
+            "Planned without training in 0.50 s, by nudging the weights' actions for this start. "
+            "Without nudges 3 of 64 starts succeed.",
+        ),
+    ],
+)
+def test_the_page_says_whether_a_plan_was_nudged(session, nudged, text):
+    assert ticked(session, lambda: session.player.recording is not None)
+    subject = session.analyst.answer.subject
+    recording = SimpleNamespace(satisfied=True, nudged=nudged)
+    session.analyst.answer = analyst.Answer(subject, cast(Any, (recording,)), seconds=0.5)
+    session.analyst.share = analyst.Share(subject, 3, 64)
+    assert text in plan_html(session)
 
 
 def test_what_was_trained_answers_until_the_scene_is_edited(session):

@@ -20,7 +20,8 @@ from tests.studio.runs.test_commands import here, run
 __all__ = ["here"]
 
 FIELDS = [
-    *("task", "satisfied", "success_rate", "robustness", "between", "between_rate"),
+    *("task", "satisfied", "success_rate", "robustness", "nudged", "between"),
+    "between_rate",
     *("schedule", "alternatives"),
     *("answer_seconds", "compile_seconds", "weights"),
 ]
