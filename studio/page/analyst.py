@@ -132,6 +132,7 @@ class Analyst:
                 training.epoch,
                 training.chains,
                 training.weights,
+                training.general,
             )
             if known is None or known.task is not task:
                 self._since = time.monotonic()

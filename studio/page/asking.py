@@ -67,7 +67,7 @@ def planned(
     """
     task, controller = subject.task, subject.controller
     compile_together(*answer_jobs(task, controller))  # so that the time told is the answer's
-    effort = Effort(nudging=subject.chains is None, interrupted=interrupted)
+    effort = Effort(nudging=subject.general, interrupted=interrupted)
     found = answer(task, controller, initial_state(task, start), effort=effort)
     recordings = [_recorded(subject, plan) for plan in (found.plan, *found.alternatives)]
     return Answer(subject, (recordings[0],), tuple(recordings[1:]), found.seconds, asked)

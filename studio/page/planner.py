@@ -39,6 +39,7 @@ class Planner:
             epoch=found.card.epochs,
             weights=found.weights,
             origin=ORIGIN,
+            general=True,
         )
 
     def first_state(self, task: Task, config: TrainingConfig) -> RunState | None:

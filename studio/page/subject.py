@@ -20,3 +20,5 @@ class Subject(NamedTuple):
     """Schedules [C, V] that the search for times stands at."""
     weights: object = None
     """Of the controller; the same object while nothing new was learnt."""
+    general: bool = False
+    """Whether they are the robot's, which were trained on no scene."""

@@ -86,6 +86,8 @@ class Training:
     """From which training can continue; None for loaded weights."""
     origin: str = ""
     """Where loaded weights come from."""
+    general: bool = False
+    """Whether the weights are the robot's, which were trained on no scene."""
     obstacle: str = ""
     """What stands in the way, once a training has ended that never succeeded."""
     began_epoch: int = 0
