@@ -28,7 +28,7 @@ def plan_html(session: Session) -> str:
         return note(f"No plan found without training: the best attempt {lack}. Train.", "warn")
     told = f"Planned without training in {found.seconds:.2f} s"
     if recording.nudged:
-        told += ", by nudging the weights' actions for this start"
+        told += ", nudged for this start"
     return f'<div class="tg tg-plan">{told}{_share(session, recording.nudged)}</div>'
 
 
@@ -77,4 +77,4 @@ def _share(session: Session, nudged: bool) -> str:
     if share is None or found is None or share.subject is not found.subject:
         return "."
     succeeded = f"{share.succeeded} of {share.starts} starts succeed"
-    return f". Without nudges {succeeded}." if nudged else f"; {succeeded}."
+    return f"; without nudges {succeeded}." if nudged else f"; {succeeded}."

@@ -97,8 +97,8 @@ def test_a_region_that_is_dragged_is_followed_before_it_is_let_go(session):
         (False, "Planned without training in 0.50 s; 3 of 64 starts succeed."),
         (
             True,
-            "Planned without training in 0.50 s, by nudging the weights' actions for this start. "
-            "Without nudges 3 of 64 starts succeed.",
+            "Planned without training in 0.50 s, nudged for this start; "
+            "without nudges 3 of 64 starts succeed.",
         ),
     ],
 )
