@@ -107,7 +107,8 @@ def replan(
         effort = effort._replace(rounds=1)
     found = best_answer(task, rank, carry_out, seed=seed, effort=effort)
     actions = np.concatenate([past.actions, found.plan.actions[step:]])
-    plan = replace(found.plan, actions=actions)
+    nudges = np.concatenate([np.zeros_like(found.plan.nudges[:step]), found.plan.nudges[step:]])
+    plan = replace(found.plan, actions=actions, nudges=nudges)
     return Replanned(plan, step, falsified, found.tried, time.perf_counter() - began)
 
 

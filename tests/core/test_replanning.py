@@ -15,7 +15,7 @@ from core.rollout import roll_on, roll_out
 from core.settled import left_open, reopened, settled_by_chance, settled_by_schedule
 from scenes import load_task
 from studio.runs.tasks import build_task, initial_state
-from tests.core.test_answer import Reactive, Seeker
+from tests.core.test_answer import Reactive, Seeker, Squinting
 
 STAY = "F_[0:40](G_[0:10](A1)) & F_[0:60](A2)"
 FAR, INSIDE_B = (-4.5, 4.5), (0.3, 0.3)
@@ -191,3 +191,11 @@ def test_a_past_that_is_none_is_refused(task, steps, actions, says):
         replan(task, SEEKER, Past(np.zeros((3, 2)), np.zeros((2, 2))), (20,))
     with pytest.raises(UserError, match=r"shape \(11, 3\); expected \[steps, 2\] for linear"):
         replan(task, SEEKER, Past(np.zeros((11, 3)), np.zeros((10, 2))), (20, 40))
+
+
+def test_nudges_begin_where_the_past_ends(task):
+    past = jump(task, (20, 50), 5)
+    found = replan(task, Squinting(jnp.ones(())), past, (20, 50))
+    assert found.plan.satisfied and found.plan.nudged
+    assert not found.plan.nudges[:5].any()
+    np.testing.assert_array_equal(found.plan.states[:6], past.states)
