@@ -93,6 +93,8 @@ class Analyst:
         """Rollouts from random starts."""
         self.start: tuple[float, ...] | None = None
         """Position at which rollouts start [d] in [m]; None for the centre of the initial set."""
+        self.hurried = False
+        """Whether an edit waits for the answer: a search ends with what it has."""
         self._preparing = False
         self._samples = 0
         self._since = 0.0
@@ -255,7 +257,8 @@ class Analyst:
         elif request.schedule is None:
 
             def interrupted() -> bool:
-                return self._request is not request or self._subject is not subject
+                newer = self._request is not request or self._subject is not subject
+                return newer or self.hurried
 
             found = planned(subject, self.start, request.asked, interrupted)
             self._publish(subject, request, answer=found)

@@ -140,6 +140,7 @@ class Session:
         answered = not (self.judge.building or self.analyst.busy)
         if self.document.revision != self._judged and (answered or not self.editor.dragging):
             self._apply(self._judge, keep_error=True)
+        self.analyst.hurried = self.document.revision != self._judged
         self.judge.collect()
         waiting = self.queued
         if waiting is not None and not self.training.busy:

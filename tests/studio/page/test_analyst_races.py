@@ -5,6 +5,7 @@ import threading
 import pytest
 
 import studio.page.asking as module
+from core.errors import UserError
 from core.methods import METHODS
 from core.methods.training import TrainingConfig
 from studio.page.analyst import Analyst
@@ -88,4 +89,23 @@ def test_a_click_while_an_answer_is_given_is_answered(trainings, monkeypatch):
     assert wait_for(lambda: len(answered) == 2), analyst.error
     assert wait_for(lambda: shown(analyst) == [SECOND]), analyst.error
     assert not analyst.busy
+    assert analyst.close()
+
+
+def test_a_search_that_an_edit_waits_for_ends_with_what_it_has(trainings, monkeypatch):
+    interrupted: list[bool] = []
+
+    def answer(task, controller, state, *, effort):
+        while not (interrupted and interrupted[-1]):
+            interrupted.append(effort.interrupted())
+            analyst.hurried = len(interrupted) == 3
+        raise UserError("enough")
+
+    monkeypatch.setattr(module, "answer", answer)
+    analyst = Analyst()
+    analyst.watched = False
+    analyst.observe(trainings[0])
+    analyst.ask()
+    assert wait_for(lambda: bool(analyst.error)), interrupted
+    assert interrupted == [False, False, False, True]
     assert analyst.close()

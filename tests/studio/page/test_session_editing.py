@@ -7,6 +7,7 @@ import pytest
 from core.errors import UserError
 from core.methods.training import TrainingConfig
 from scenes import load_task
+from studio.page.analyst import Analyst
 from studio.page.editing.meaning import stale_text
 from studio.page.session import DEBOUNCE, Session
 from tests.studio.waiting import wait_for
@@ -76,6 +77,19 @@ def test_while_a_region_is_dragged_nothing_is_judged(session):
     assert session.specification.task is task
     session.editor.move("A1", "end", (0.0, 0.0), (1.0, 0.0))
     assert wait_for(lambda: ticked(session).task is not task)
+
+
+def test_an_edit_that_waits_for_an_answer_hurries_it(session, monkeypatch):
+    assert wait_for(lambda: ticked(session).task is not None)
+    monkeypatch.setattr(Analyst, "busy", True)
+    session.editor.move("A1", "start", (0.0, 0.0), (0.0, 0.0))
+    session.tick(later())
+    assert not session.analyst.hurried
+    session.editor.move("A1", "update", (0.0, 0.0), (1.0, 0.0))
+    session.tick(later())
+    assert session.analyst.hurried
+    monkeypatch.setattr(Analyst, "busy", False)
+    assert wait_for(lambda: ticked(session) and not session.analyst.hurried)
 
 
 def test_undo_during_a_drag_takes_only_the_drag_back(session):
