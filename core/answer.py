@@ -3,8 +3,9 @@
 The critic ranks many schedules in one go, but its errors decide which one it likes best; a
 simulation costs milliseconds and knows. So the K candidates that it likes best, the best of each
 kind first, are carried out, and the exact robustness of the traces chooses. Where none satisfies
-the formula, some others are drawn, and the best attempts' actions are nudged (`core.nudges`). The
-value alone is never climbed: that exploits its errors.
+the formula, some others are drawn, the best attempts' actions climb the robustness
+(`core.ascent`), and are nudged at random (`core.nudges`). The value alone is never climbed: that
+exploits its errors.
 
 Dimensions: K candidates, L steps, V variables, G subgoals, n state, m action, A atoms.
 """
@@ -18,18 +19,17 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.attempts import Attempts, Kind, of_every_kind, with_nudged
+from core.ascent import Climb
+from core.attempts import Attempt, Attempts, Kind, of_every_kind, tries, with_nudged
 from core.candidates import Ranking, ranked
 from core.controller import Controller
+from core.deciding import Deciding, deciding_margin
 from core.evaluation import rollout_robustness
-from core.nudges import PARENTS, deciding_step
+from core.nudges import PARENTS
 from core.rollout import Rollout, no_nudges, roll_out, rollout_jobs
 from core.task.physics import physics_of
 from core.task.protocols import Array
 from core.task.task import Task
-
-TRIED, TRIED_IN_PHYSICS = 64, 8
-"""K, schedules that are carried out in a round, by the robot's own `step` or in true physics."""
 
 ROUNDS, ROUNDS_IN_PHYSICS = 24, 4
 """Rounds before the answer is that no plan was found."""
@@ -94,6 +94,8 @@ class Answer:
     """Rounds that it took."""
     seconds: float
     """Wall-clock time, compilation apart if it had been done before."""
+    compile_seconds: float
+    """What compiling on the way took beside, for climbs."""
 
 
 CarryOut = Callable[[np.ndarray, np.ndarray], Rollout]
@@ -128,13 +130,16 @@ def answer(
 
     if controller.search is None:
         effort = effort._replace(rounds=1)
-    return best_answer(task, rank, carry_out, seed=seed, effort=effort)
+    steps = np.repeat(np.asarray(state)[None], task.padded_horizon + 1, 0)
+    climb = Climb(task, controller, steps, known=0)
+    return best_answer(task, rank, carry_out, climb, seed=seed, effort=effort)
 
 
 def best_answer(
     task: Task,
     rank: Callable[[int], Ranking],
     carry_out: CarryOut,
+    climb: Climb,
     *,
     seed: int,
     effort: Effort,
@@ -145,6 +150,7 @@ def best_answer(
         task: whose formula decides.
         rank: candidates of the round of a number, from 0.
         carry_out: simulates attempts.
+        climb: makes them more robust.
         seed: of the nudges.
         effort: of the search.
     """
@@ -153,13 +159,19 @@ def best_answer(
     if not effort.nudging:
         rounds = min(rounds, DRAWS)
     nearest: list[_Judged] = []  # the most robust first
+    judged: list[_Judged] = []  # of the last round
     found: dict[Kind, _Judged] = {}
-    number = tried = 0
+    number, tried, compiled = 0, 0, 0.0
     while not (found or number == rounds or (number and effort.interrupted())):
         if number < DRAWS:
             attempts = of_every_kind(rank(number), no_nudges(task, tries(task)))
         if number and effort.nudging:
-            attempts = with_nudged(random, attempts, nearest, share=NUDGED if number < DRAWS else 1)
+            climbed: list[Attempt] = []
+            if number.bit_count() == 1:  # 1, 2, 4, 8, ...: a climb takes as long as some rounds
+                compiled += climb.prepare(PARENTS)
+                climbed = climb(judged[:PARENTS])
+            share = NUDGED if number < DRAWS else 1
+            attempts = with_nudged(random, attempts, nearest, climbed, share=share)
         tried += attempts.distinct
         rollout = carry_out(attempts.schedules, attempts.nudges)
         score, traces = rollout_robustness(task, rollout), [np.asarray(each) for each in rollout]
@@ -171,18 +183,14 @@ def best_answer(
                 found.setdefault(each.kind, each)
         number += 1
     others = [each.plan for kind, each in found.items() if kind != nearest[0].kind]
-    spent = time.perf_counter() - began
-    return Answer(nearest[0].plan, tuple(others[:MOST_ALTERNATIVES]), tried, number, spent)
+    spent = time.perf_counter() - began - compiled
+    others = tuple(others[:MOST_ALTERNATIVES])
+    return Answer(nearest[0].plan, others, tried, number, spent, compiled)
 
 
 def answer_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]]:
     """Compilations that an answer needs, and the share of K starts that succeed with it."""
     return rollout_jobs(task, controller, tries(task))
-
-
-def tries(task: Task) -> int:
-    """K for a task's robot: rollouts in the one program that answers and samples share."""
-    return TRIED if physics_of(task.robot) is None else TRIED_IN_PHYSICS
 
 
 def _rounds(task: Task) -> int:
@@ -211,8 +219,12 @@ class _Judged(NamedTuple):
         return self.attempts.nudges[:, self.index]
 
     @property
-    def deciding_step(self) -> int | None:
-        return deciding_step(self.robustness, self.traces[2][:, self.index])
+    def actions(self) -> np.ndarray:
+        return self.traces[1][:, self.index]
+
+    @property
+    def deciding(self) -> Deciding | None:
+        return deciding_margin(self.robustness, self.traces[2][:, self.index])
 
     @property
     def plan(self) -> Plan:

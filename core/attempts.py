@@ -9,7 +9,18 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from core.candidates import Ranking
+from core.deciding import Deciding
 from core.nudges import drawn_nudges
+from core.task.physics import physics_of
+from core.task.task import Task
+
+TRIED, TRIED_IN_PHYSICS = 64, 8
+"""K, schedules that are carried out in a round, by the robot's own `step` or in true physics."""
+
+
+def tries(task: Task) -> int:
+    """K for a task's robot: rollouts in the one program that answers and samples share."""
+    return TRIED if physics_of(task.robot) is None else TRIED_IN_PHYSICS
 
 
 class Kind(NamedTuple):
@@ -33,6 +44,14 @@ class Attempts(NamedTuple):
         return len(np.unique(self.schedules[own], axis=0)) + int((~own).sum())
 
 
+class Attempt(NamedTuple):
+    """One of them."""
+
+    schedule: np.ndarray  # [V]
+    kind: Kind
+    nudges: np.ndarray  # [L, m]
+
+
 class Parent(Protocol):
     """An attempt that is varied."""
 
@@ -52,8 +71,8 @@ class Parent(Protocol):
         ...
 
     @property
-    def deciding_step(self) -> int | None:
-        """The step that decided its robustness, if it is known."""
+    def deciding(self) -> Deciding | None:
+        """The margin that decided its robustness, if it is known."""
         ...
 
 
@@ -84,22 +103,31 @@ def of_every_kind(ranking: Ranking, nudges: np.ndarray) -> Attempts:
 
 
 def with_nudged(
-    random: np.random.Generator, attempts: Attempts, parents: Sequence[Parent], *, share: float
+    random: np.random.Generator,
+    attempts: Attempts,
+    parents: Sequence[Parent],
+    climbed: Sequence[Attempt],
+    *,
+    share: float,
 ) -> Attempts:
-    """The attempts, a share of them replaced by the parents in turn, with further nudges.
+    """The attempts, a share of them replaced: by climbed ones, and by nudged ones.
 
-    Half of these are focused on the step that decided a parent's robustness.
+    The nudged ones are the parents in turn with further nudges, half of which are focused on the
+    step that decided a parent's robustness.
     """
     steps, count, size = attempts.nudges.shape
     kept = count - int(share * count)
-    dealt = [parents[number % len(parents)] for number in range(count - kept)]
-    nudges = np.stack([parent.nudges for parent in dealt], 1)
-    two_turns = [*(parent.deciding_step for parent in parents), *(None for _ in parents)]
-    focus = [two_turns[number % len(two_turns)] for number in range(count - kept)]
-    nudges = nudges + drawn_nudges(random, steps, size, focus)
-    schedules = np.stack([parent.schedule for parent in dealt])
+    varied = count - kept - len(climbed)
+    dealt = [parents[number % len(parents)] for number in range(varied)]
+    decided = [parent.deciding for parent in parents]
+    middles = [None if each is None else each.step for each in decided]
+    two_turns = [*middles, *(None for _ in parents)]
+    focus = [two_turns[number % len(two_turns)] for number in range(varied)]
+    nudges = np.stack([each.nudges for each in (*climbed, *dealt)], 1)
+    nudges[:, len(climbed) :] += drawn_nudges(random, steps, size, focus)
+    schedules = np.stack([each.schedule for each in (*climbed, *dealt)])
     return Attempts(
         np.concatenate([attempts.schedules[:kept], schedules]),
-        attempts.kinds[:kept] + [parent.kind for parent in dealt],
+        attempts.kinds[:kept] + [each.kind for each in (*climbed, *dealt)],
         np.concatenate([attempts.nudges[:, :kept], nudges], 1),
     )

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import Plan, answer, tries
+from core.answer import Plan, answer
+from core.attempts import tries
 from core.controller import Controller
 from core.errors import UserError
 from core.evaluation import rollout_robustness

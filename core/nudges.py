@@ -59,13 +59,3 @@ def drawn_nudges(
             nudges[: max(0, middle - before[index]), index] = 0
             nudges[middle + after[index] :, index] = 0
     return nudges.astype(np.float32)
-
-
-def deciding_step(robustness: float, margins: np.ndarray) -> int | None:
-    """The first step at which a margin of the trace [L + 1, A] is as large as its robustness.
-
-    None where there is none: the robustness may be a bound on what happens between the steps.
-    """
-    close = np.abs(np.abs(margins) - abs(robustness)) < 1e-6
-    steps = np.flatnonzero(close.any(1))
-    return int(steps[0]) if steps.size else None

@@ -19,7 +19,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import THOROUGH, Effort, Plan, answer_jobs, best_answer, tries
+from core.answer import THOROUGH, Effort, Plan, answer_jobs, best_answer
+from core.ascent import Climb
+from core.attempts import tries
 from core.candidates import BLOCK, Ranking, ranked
 from core.compilation import program, shape_of
 from core.controller import Controller
@@ -105,11 +107,13 @@ def replan(
 
     if falsified is not None or controller.search is None:
         effort = effort._replace(rounds=1)
-    found = best_answer(task, rank, carry_out, seed=seed, effort=effort)
+    climb = Climb(task, controller, trace, known=step)
+    found = best_answer(task, rank, carry_out, climb, seed=seed, effort=effort)
     actions = np.concatenate([past.actions, found.plan.actions[step:]])
     nudges = np.concatenate([np.zeros_like(found.plan.nudges[:step]), found.plan.nudges[step:]])
     plan = replace(found.plan, actions=actions, nudges=nudges)
-    return Replanned(plan, step, falsified, found.tried, time.perf_counter() - began)
+    spent = time.perf_counter() - began - found.compile_seconds
+    return Replanned(plan, step, falsified, found.tried, spent)
 
 
 def replan_jobs(task: Task, controller: Controller) -> list[Callable[[], Any]]:

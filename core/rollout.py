@@ -205,13 +205,32 @@ def _roll_on(
     nudges: Array,
 ) -> Rollout:
     """Rollouts by the robot's own `step` after steps [R] of the past [L + 1, R, n]."""
-
-    def settle(after: Array, given: tuple[Array, Array]) -> Array:
-        number, seen = given
-        return jnp.where((number <= known)[:, None], seen, after)
-
     numbered = jnp.arange(1, past.shape[0]), past[1:]
+    settle = partial(_settle, known)
     return _rolled(problem, controller, past[0], schedules, nudges, numbered, settle)
+
+
+def carried(problem: Problem, past: Array, known: Array, actions: Array) -> tuple[Array, Array]:
+    """States [L + 1, R, n] and margins of actions [L, R, m] by the robot's own `step`.
+
+    Steps 0 to `known` [R] are those of the past [L + 1, R, n], whatever the actions.
+    """
+
+    def step(state: Array, now: tuple[Array, Any]) -> tuple[Array, Array]:
+        action, given = now
+        after = _settle(known, jax.vmap(problem.robot.step)(state, action), given)
+        return after, after
+
+    given = actions, (jnp.arange(1, past.shape[0]), past[1:])
+    _, visited = jax.lax.scan(step, past[0], given)
+    visited = jnp.concatenate([past[:1], visited])
+    return visited, trace_margins(problem, visited)
+
+
+def _settle(known: Array, after: Array, given: tuple[Array, Array]) -> Array:
+    """The state after a step: that of the past, as long as it is known."""
+    number, seen = given
+    return jnp.where((number <= known)[:, None], seen, after)
 
 
 def _rolled(

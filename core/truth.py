@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import tries
+from core.attempts import tries
 from core.controller import Controller
 from core.evaluation import rollout_robustness
 from core.heatmap import Heatmap

@@ -15,11 +15,14 @@ from typing import Any, NamedTuple
 
 import jax
 
-from core.answer import tries
+from core.ascent import ascent_jobs
+from core.attempts import tries
 from core.compilation import compile_together
 from core.errors import UserError
 from core.evaluation import evaluate
+from core.nudges import PARENTS
 from core.replanning import replan_jobs
+from core.task.task import Task
 from studio.page.asking import Answer, Move, moved_on, planned, random_starts, rolled_out
 from studio.page.picture import MapView, Picture, Simulated, draw_picture, simulate_picture
 from studio.page.subject import Subject
@@ -96,6 +99,8 @@ class Analyst:
         self.hurried = False
         """Whether an edit waits for the answer: a search ends with what it has."""
         self._preparing = False
+        self._warm: Task | None = None
+        """For which the programs of harder scenes are compiled."""
         self._samples = 0
         self._since = 0.0
         """When the scene that is asked about was shown first [s, monotonic]."""
@@ -237,8 +242,9 @@ class Analyst:
                     picture = draw_picture(subject, *wanted[1:])
                     self._publish(subject, picture=picture)
                     self._wake.set()  # a request may wait
-                elif time.monotonic() >= self._since + REST and not self._count(subject):
-                    self._simulate(subject)
+                elif time.monotonic() >= self._since + REST:
+                    if not (self._count(subject) or self._warm_up(subject)):
+                        self._simulate(subject)
             except Exception as error:  # noqa: BLE001 - the page shows it and lives on
                 traceback.print_exc()
                 if subject is not None:
@@ -281,6 +287,15 @@ class Analyst:
         succeeded = int((evaluation.robustness >= 0).sum())
         counted = Share(subject, share.succeeded + succeeded, share.starts + count)
         self._publish(subject, share=counted)
+        self._wake.set()
+        return True
+
+    def _warm_up(self, subject: Subject) -> bool:
+        """Compile what plans for harder scenes need; False if it has been done."""
+        if not subject.general or self._warm is subject.task:
+            return False
+        self._warm = subject.task
+        compile_together(*ascent_jobs(subject.task, subject.controller, PARENTS))
         self._wake.set()
         return True
 

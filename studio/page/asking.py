@@ -7,7 +7,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import Effort, Plan, answer, answer_jobs, tries
+from core.answer import Effort, Plan, answer, answer_jobs
+from core.attempts import tries
 from core.candidates import choose_schedules
 from core.compilation import compile_together
 from core.replanning import Past, replan, replan_jobs

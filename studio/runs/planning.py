@@ -7,7 +7,8 @@ import sys
 import jax
 import numpy as np
 
-from core.answer import answer, answer_jobs, tries
+from core.answer import answer, answer_jobs
+from core.attempts import tries
 from core.between import between
 from core.compilation import compile_together
 from core.controller import Controller
@@ -56,7 +57,7 @@ def plan(options: Options) -> int:
         "schedule": named_times(task, found.plan.schedule),
         "alternatives": [named_times(task, other.schedule) for other in found.alternatives],
         "answer_seconds": round(found.seconds, 3),
-        "compile_seconds": round(compile_seconds, 3),
+        "compile_seconds": round(compile_seconds + found.compile_seconds, 3),
         "weights": source,
     }
     if options.out is not None:

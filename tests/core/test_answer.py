@@ -9,9 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from core.answer import DRAWS, ROUNDS, TRIED, Effort, answer
-from core.attempts import Attempts, Kind, of_every_kind, with_nudged
+from core.answer import DRAWS, ROUNDS, Effort, answer
+from core.attempts import TRIED, Attempt, Attempts, Kind, of_every_kind, with_nudged
 from core.candidates import Ranking
+from core.deciding import Deciding
 from core.evaluation import trace_robustness
 from core.task.schedules import Search
 from core.task.windows import windows_of
@@ -172,14 +173,17 @@ def test_parents_are_varied_in_turn_and_new_schedules_kept():
             schedule=np.array([100 + number]),
             kind=Kind((1,)),
             nudges=np.ones((5, 2)),
-            deciding_step=2,
+            deciding=Deciding(2, 0, 1),
         )
         for number in range(2)
     ]
-    made = with_nudged(np.random.default_rng(0), drawn, parents, share=0.75)
-    assert made.schedules[:, 0].tolist() == [0, 1, 100, 101, 100, 101, 100, 101]
-    assert made.kinds == [Kind((0,))] * 2 + [Kind((1,))] * 6
+    climbed = [Attempt(np.array([200]), Kind((2,)), np.full((5, 2), 7.0))]
+    random = np.random.default_rng(0)
+    made = with_nudged(random, drawn, parents, climbed, share=0.75)
+    assert made.schedules[:, 0].tolist() == [0, 1, 200, 100, 101, 100, 101, 100]
+    assert made.kinds == [Kind((0,))] * 2 + [Kind((2,))] + [Kind((1,))] * 5
     assert not made.nudges[:, :2].any()
-    assert 0.5 < made.nudges[:, 2:].mean() < 1.5
+    assert (made.nudges[:, 2] == 7.0).all()
+    assert 0.5 < made.nudges[:, 3:].mean() < 1.5
     assert made.distinct == 8
-    assert with_nudged(np.random.default_rng(0), drawn, parents, share=1).schedules.min() == 100
+    assert with_nudged(random, drawn, parents, [], share=1).schedules.min() == 100

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from core.nudges import AFTER, BEFORE, PERSISTENCE, SCALE, SIZES, deciding_step, drawn_nudges
+from core.nudges import AFTER, BEFORE, PERSISTENCE, SCALE, SIZES, drawn_nudges
 
 
 def test_nudges_are_smooth_and_of_three_sizes():
@@ -29,10 +29,3 @@ def test_nudges_of_the_same_seed_are_the_same():
         drawn_nudges(np.random.default_rng(3), 20, 1, [None, 5, None, 7]) for _ in range(2)
     )
     np.testing.assert_array_equal(first, second)
-
-
-def test_the_deciding_step_has_the_margin_of_the_robustness():
-    margins = np.array([[0.5, 2.0], [-0.25, 1.0], [0.75, 0.25]])
-    assert deciding_step(-0.25, margins) == 1
-    assert deciding_step(-1.0, margins) == 1  # of a negation
-    assert deciding_step(0.1, margins) is None

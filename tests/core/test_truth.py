@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import spearmanr
 
-from core.answer import tries
+from core.attempts import tries
 from core.evaluation import trace_robustness
 from core.heatmap import Heatmap, heatmap
 from core.rollout import roll_out

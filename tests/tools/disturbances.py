@@ -16,7 +16,7 @@ import time
 import jax
 import numpy as np
 
-from core.answer import tries
+from core.attempts import tries
 from core.compilation import compile_together, use_disk_cache
 from core.disturbances import Pushes, Withstood, withstand
 from core.replanning import replan_jobs

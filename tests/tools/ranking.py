@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.answer import tries
+from core.attempts import tries
 from core.candidates import scored_schedules
 from core.compilation import use_disk_cache
 from core.controller import Controller
