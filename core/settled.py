@@ -64,6 +64,16 @@ def times_met(task: Task, margins: np.ndarray) -> tuple[int, ...]:
     return tuple(met.get(index, value) for index, value in enumerate(low))
 
 
+def retimed(task: Task, schedule: tuple[int, ...], margins: np.ndarray) -> tuple[int, ...]:
+    """A schedule whose missed times are those at which a whole trace [T + 1, A] met what it could.
+
+    Nudged actions may satisfy the formula at other times than those that the controller was given.
+    """
+    met = settled_by_schedule(task, schedule, margins)
+    found = settled_by_chance(task, schedule, margins, met)
+    return tuple(found.get(index, value) for index, value in enumerate(schedule))
+
+
 def reopened(task: Task, settled: Settled) -> Settled:
     """What stays settled where every time is given up that an open one is tied to.
 

@@ -3,13 +3,13 @@
 import json
 import math
 import sys
+from collections.abc import Sequence
 
 import jax
 import numpy as np
 
-from core.answer import answer, answer_jobs
+from core.answer import Plan, answer, answer_jobs
 from core.attempts import tries
-from core.between import between
 from core.compilation import compile_together
 from core.controller import Controller
 from core.errors import UserError
@@ -21,6 +21,7 @@ from studio.runs.commands import chosen_scene
 from studio.runs.findings import offering_force
 from studio.runs.json_documents import plain
 from studio.runs.pretrained import chosen_weights
+from studio.runs.recording import Recording, record
 from studio.runs.tasks import build_task, initial_state
 
 STARTS = 64
@@ -45,17 +46,19 @@ def plan(options: Options) -> int:
     controller, seed = weights.controller, scene.seed if options.seed is None else options.seed
     compile_seconds = compile_together(*answer_jobs(task, controller))
     found = answer(task, controller, initial_state(task), seed=seed)
+    best = recorded(task, found.plan)
+    others = [recorded(task, other) for other in found.alternatives]
     sample = sample_starts(task, controller, options.starts or STARTS, seed)
     result = {
         "task": scene.name,
-        "satisfied": found.plan.satisfied,
+        "satisfied": best.satisfied,
         "success_rate": sample.success_rate,
-        "robustness": found.plan.robustness,
-        "nudged": found.plan.nudged,
-        "between": between(task, found.plan.states).document(),
+        "robustness": best.robustness,
+        "nudged": best.nudged,
+        "between": best.between.document(),
         "between_rate": sample.between_rate,
-        "schedule": named_times(task, found.plan.schedule),
-        "alternatives": [named_times(task, other.schedule) for other in found.alternatives],
+        "schedule": named_times(task, best.schedule),
+        "alternatives": [named_times(task, other.schedule) for other in others],
         "answer_seconds": round(found.seconds, 3),
         "compile_seconds": round(compile_seconds + found.compile_seconds, 3),
         "weights": source,
@@ -66,6 +69,12 @@ def plan(options: Options) -> int:
         result["out"] = str(options.out)
     print(json.dumps(plain(result)), flush=True)
     return 0
+
+
+def recorded(task: Task, plan: Plan) -> Recording:
+    """A plan's trace, with the times at which it satisfies the formula."""
+    traces = plan.states, plan.actions, plan.margins
+    return record(task, plan.schedule, *traces, nudged=plan.nudged)
 
 
 def sample_starts(task: Task, controller: Controller, count: int, seed: int) -> Evaluation:
@@ -79,7 +88,7 @@ def sample_starts(task: Task, controller: Controller, count: int, seed: int) -> 
     return Evaluation(*joined)
 
 
-def named_times(task: Task, schedule: np.ndarray) -> dict[str, int]:
+def named_times(task: Task, schedule: Sequence[int] | np.ndarray) -> dict[str, int]:
     """Values of the formula's variables by name [steps]."""
     variables = task.grounding.decomposition.variables
     return {variable.name: int(value) for variable, value in zip(variables, schedule, strict=False)}

@@ -10,7 +10,7 @@ from core.between import Between, between, breach_text
 from core.decompose import Kind, task_name
 from core.evaluation import verdicts
 from core.monitor import Diagnosis, MonitorRow, diagnose, leaf_status, monitor_rows
-from core.settled import times_met
+from core.settled import retimed, times_met
 from core.stl import robustness, to_math
 from core.task.task import Task
 
@@ -124,7 +124,8 @@ def record(
         actions: [L, m].
         margins: [L + 1, A] of the atoms [m], padding included or not.
         moves: steps at which somebody has put the robot somewhere else.
-        nudged: whether its actions were nudged.
+        nudged: whether its actions were nudged: then times at which it satisfies the formula
+            replace those of the schedule that it missed.
     """
     length = task.horizon + 1
     states, actions = np.asarray(states)[:length], np.asarray(actions)[: length - 1]
@@ -137,9 +138,17 @@ def record(
     flat[:, : position.shape[1]] = position
     verdict = float(verdicts(task, states[:, None], margins[:, None])[0])
     outcomes, found = _outcomes(task, chosen, margins), between(task, states)
+    if nudged and verdict >= 0 and _missed(outcomes):
+        again = retimed(task, chosen, margins)
+        if not _missed(met := _outcomes(task, again, margins)):
+            chosen, outcomes = again, met
     return Recording(
         task, chosen, states, actions, margins, flat, verdict, outcomes, moves, found, nudged
     )
+
+
+def _missed(outcomes: tuple[Outcome, ...]) -> bool:
+    return any(outcome.worst < 0 for outcome in outcomes)
 
 
 def _outcomes(task: Task, schedule: tuple[int, ...], margins: np.ndarray) -> tuple[Outcome, ...]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from core.settled import times_met
+from core.settled import retimed, times_met
 from core.stl import to_text
 from tests.core.toy import CENTERS, disc_margins, toy_task
 
@@ -25,3 +25,17 @@ def test_the_steps_at_which_goals_were_reached():
 
 def test_what_was_never_reached_is_at_its_earliest():
     assert times_met(toy_task("F_[2:12](C)"), trace("A")) == (2,)
+
+
+def test_only_missed_times_are_replaced():
+    task = toy_task("F_[0:9](B) & F_[2:12](C)")
+    goals = {to_text(leaf.predicate): leaf for leaf in task.grounding.subgoals}
+    b, c = (goals[name].start.variables[0] for name in "BC")
+    margins = trace(None, "B", None, None, "B", "C")
+    given = [0, 0]
+    given[b], given[c] = 4, 10
+    wanted = [0, 0]
+    wanted[b], wanted[c] = 4, 5
+    assert retimed(task, tuple(given), margins) == tuple(wanted)
+    given[c] = 5
+    assert retimed(task, tuple(given), margins) == tuple(wanted)

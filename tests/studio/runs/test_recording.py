@@ -27,10 +27,11 @@ def margins_of(task, visits, crash=None):
 GOOD = {"A1": (18, 22), "A2": (50, 50), "A3": (65, 75)}
 
 
-def recorded(task, visits, schedule=SCHEDULE, crash=None):
+def recorded(task, visits, schedule=SCHEDULE, crash=None, nudged=False):
     states = np.linspace(0, 1, task.padded_horizon + 1)[:, None] * np.ones(2)
     actions = np.zeros((task.padded_horizon, 2))
-    return record(task, schedule, states, actions, margins_of(task, visits, crash))
+    margins = margins_of(task, visits, crash)
+    return record(task, schedule, states, actions, margins, nudged=nudged)
 
 
 def test_a_trace_that_keeps_to_the_schedule_is_satisfied(linear_task):
@@ -61,6 +62,17 @@ def test_the_verdict_is_the_formulas_not_the_schedules(linear_task):
     recording = recorded(linear_task, GOOD, schedule=(40, 50, 15))
     assert recording.satisfied
     assert [o.predicate for o in recording.outcomes if o.worst < 0] == ["A1"]
+
+
+def test_a_nudged_trace_is_told_with_the_times_that_it_met(linear_task):
+    recording = recorded(linear_task, GOOD, schedule=(40, 50, 15), nudged=True)
+    assert recording.satisfied and 18 <= recording.schedule[0] <= 22
+    assert recording.schedule[1:] == (50, 15)
+    assert all(outcome.worst >= 0 for outcome in recording.outcomes)
+    kept = recorded(linear_task, GOOD, schedule=(22, 50, 15), nudged=True)
+    assert kept.schedule == (22, 50, 15)
+    violated = recorded(linear_task, GOOD, schedule=(40, 50, 15), crash=30, nudged=True)
+    assert violated.schedule == (40, 50, 15)
 
 
 def test_padding_of_a_schedule_is_dropped(linear_task):
