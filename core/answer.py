@@ -37,6 +37,9 @@ ROUNDS, ROUNDS_IN_PHYSICS = 24, 4
 DRAWS = 3
 """Rounds that have new schedules, whose drawing takes longer than to carry them out."""
 
+CLIMBING = (6, 10, 14, 18, 22)
+"""Rounds before which attempts climb: each takes as long as several rounds, most need none."""
+
 NUDGED = 0.75
 """Share of the attempts of rounds with new schedules that are nudged ones, after the first."""
 
@@ -167,7 +170,7 @@ def best_answer(
             attempts = of_every_kind(rank(number), no_nudges(task, tries(task)))
         if number and effort.nudging:
             climbed: list[Attempt] = []
-            if number.bit_count() == 1:  # 1, 2, 4, 8, ...: a climb takes as long as some rounds
+            if number in CLIMBING:
                 compiled += climb.prepare(PARENTS)
                 climbed = climb(judged[:PARENTS])
             share = NUDGED if number < DRAWS else 1
