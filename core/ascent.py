@@ -23,7 +23,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from core.attempts import Attempt, Kind, tries
+from core.attempts import Attempt, Scheduled, tries
 from core.compilation import compile_together, program, shape_of
 from core.controller import Controller
 from core.deciding import deciding_margin
@@ -49,18 +49,8 @@ FLAT = 1e-9
 """Squared norm of a gradient that leads nowhere."""
 
 
-class Climbing(Protocol):
+class Climbing(Scheduled, Protocol):
     """An attempt that was carried out."""
-
-    @property
-    def schedule(self) -> np.ndarray:
-        """[V]."""
-        ...
-
-    @property
-    def kind(self) -> Kind:
-        """Of the schedule."""
-        ...
 
     @property
     def actions(self) -> np.ndarray:
@@ -166,10 +156,7 @@ def _step(
     return np.clip(slope * length[:, None], -LONGEST, LONGEST).astype(np.float32)
 
 
-@program
-def _carried(problem: Problem, past: Array, known: Array, actions: Array) -> tuple[Array, Array]:
-    """States [L + 1, P, n] and margins [L + 1, P, A] of actions after the known past."""
-    return carried(problem, past, known, actions)
+_carried = program(carried)
 
 
 @program

@@ -52,8 +52,8 @@ class Attempt(NamedTuple):
     nudges: np.ndarray  # [L, m]
 
 
-class Parent(Protocol):
-    """An attempt that is varied."""
+class Scheduled(Protocol):
+    """Carries out a schedule."""
 
     @property
     def schedule(self) -> np.ndarray:
@@ -64,6 +64,10 @@ class Parent(Protocol):
     def kind(self) -> Kind:
         """Of the schedule."""
         ...
+
+
+class Parent(Scheduled, Protocol):
+    """An attempt that is varied."""
 
     @property
     def nudges(self) -> np.ndarray:
