@@ -1,6 +1,5 @@
 """A real Ray cluster of this machine carries out a matrix."""
 
-import builtins
 import json
 import subprocess
 import sys
@@ -55,13 +54,6 @@ def test_a_cluster_that_is_not_there_is_said(tmp_path, capsys):
 
 
 def test_without_ray_it_says_what_to_install(tmp_path, capsys, monkeypatch):
-    real = builtins.__import__
-
-    def without(name, *more):
-        if name == "ray":
-            raise ImportError(name)
-        return real(name, *more)
-
-    monkeypatch.setattr(builtins, "__import__", without)
+    monkeypatch.setitem(sys.modules, "ray", None)
     assert main(arguments(tmp_path)) == 2
     assert "pip install 'tgpo-studio[cluster]'" in capsys.readouterr().err
