@@ -1,11 +1,13 @@
 """Variants of a method: sources of schedules, parts of state and reward (Table 1), and pieces."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from studio.bench.figures import bars
 from studio.bench.published import published
 from studio.bench.report.page import Page
 from studio.bench.report.rows import Row, Rows, budget, by, different, estimates, is_stretched
+from studio.bench.statistics import over_seeds
 
 WHOLE = ("default", "all")
 """Variants from which nothing is left out."""
@@ -37,7 +39,8 @@ def _table(page: Page, key: str, title: str, rows: Rows, known: Mapping[str, flo
     def place(row: Row) -> tuple[int, str]:
         return -1 if _is_whole(row) else places.get(row["variant"], 0), _label(row)
 
-    found = estimates(by(sorted(rows, key=place), _label), "success_rate")
+    variants = by(sorted(rows, key=place), _label)
+    found = estimates(variants, "success_rate")
     if len(found) < 2:
         return
     whole = None if known is None else known["default"]
@@ -50,8 +53,26 @@ def _table(page: Page, key: str, title: str, rows: Rows, known: Mapping[str, flo
             path, found, label="success rate", beside=given, citation=published().citation, most=1.0
         ),
     )
-    head = ("", "here", "published") if given else ("", "here")
-    page.table(key, head, [(x, e, given.get(x))[: len(head)] for x, e in found.items()])
+    columns = {"here": found, **({"published": given} if given else {}), **_beyond(variants)}
+    lines = [(x, *(column.get(x) for column in columns.values())) for x in found]
+    page.table(key, ("", *columns), lines)
+
+
+def _beyond(variants: Mapping[str, Rows]) -> dict[str, dict[str, Any]]:
+    """Further columns: success on each of several tasks, and the mean robustness."""
+    tasks = different([row for rows in variants.values() for row in rows], "task")
+    columns: dict[str, dict[str, Any]] = {}
+    for task in tasks if len(tasks) > 1 else ():
+        parts = {x: [row for row in rows if row["task"] == task] for x, rows in variants.items()}
+        columns[task] = {
+            x: over_seeds(part, "success_rate").mean for x, part in parts.items() if part
+        }
+    finite = {
+        x: [row for row in rows if row["robustness_mean"] is not None]
+        for x, rows in variants.items()
+    }
+    shown = {x: rows for x, rows in finite.items() if rows}
+    return {**columns, "robustness [m]": estimates(shown, "robustness_mean")}
 
 
 def _is_whole(row: Row) -> bool:

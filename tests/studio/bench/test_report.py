@@ -85,9 +85,13 @@ def test_figures_and_tables(page):
     shipped = table(page, f"success-{ROBOT}")["tgpo-star, shipped weights"][0]
     assert (shipped["runs"], shipped["half_width"]) == (1, None)
     assert set(table(page, "horizon-linear-tgpo-star")) == {50, 200}
-    assert set(table(page, "variants-linear-tgpo-star-studio-sources")) == {"default", "random"}
+    sources = table(page, "variants-linear-tgpo-star-studio-sources")
+    assert set(sources) == {"default", "random"}
+    assert sources["random"][2:4] == [pytest.approx(0.3)] * 2, "each task, beside the published"
+    assert sources["random"][4]["runs"] == 6, "robustness"
     pieces = table(page, "variants-linear-tgpo-star-studio-pieces")
     assert set(pieces) == {"default", "default, shipped weights", "no-fields"}
+    assert pieces["no-fields"][2] is None, "it had no run on the second task"
 
 
 def test_it_says_first_where_a_baseline_is_better(page):
