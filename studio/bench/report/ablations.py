@@ -6,8 +6,16 @@ from typing import Any
 from studio.bench.figures import bars
 from studio.bench.published import published
 from studio.bench.report.page import Page
-from studio.bench.report.rows import Row, Rows, budget, by, different, estimates, is_stretched
-from studio.bench.statistics import over_seeds
+from studio.bench.report.rows import (
+    Row,
+    Rows,
+    budget,
+    by,
+    different,
+    estimates,
+    is_stretched,
+    task_rates,
+)
 
 WHOLE = ("default", "all")
 """Variants from which nothing is left out."""
@@ -60,13 +68,8 @@ def _table(page: Page, key: str, title: str, rows: Rows, known: Mapping[str, flo
 
 def _beyond(variants: Mapping[str, Rows]) -> dict[str, dict[str, Any]]:
     """Further columns: success on each of several tasks, and the mean robustness."""
-    tasks = different([row for rows in variants.values() for row in rows], "task")
-    columns: dict[str, dict[str, Any]] = {}
-    for task in tasks if len(tasks) > 1 else ():
-        parts = {x: [row for row in rows if row["task"] == task] for x, rows in variants.items()}
-        columns[task] = {
-            x: over_seeds(part, "success_rate").mean for x, part in parts.items() if part
-        }
+    rates = task_rates(variants)
+    columns = rates if len(rates) > 1 else {}
     finite = {
         x: [row for row in rows if row["robustness_mean"] is not None]
         for x, rows in variants.items()

@@ -16,6 +16,7 @@ from studio.bench.report.rows import (
     groups,
     main,
     name,
+    task_rates,
 )
 from studio.bench.statistics import Estimate, over_seeds
 
@@ -125,12 +126,7 @@ def _over_time(page: Page, key: str, robot: str, rows: Rows) -> None:
 
 def _each_task(page: Page, key: str, rows: Rows) -> None:
     named = _in_order(rows)
-    tasks = different(rows, "task")
-    lines = []
-    for task in tasks:
-        cells = [[row for row in part if row["task"] == task] for part in named.values()]
-        rates = [over_seeds(part, "success_rate").mean if part else None for part in cells]
-        lines.append((task, *rates))
+    lines = [(task, *map(rates.get, named)) for task, rates in task_rates(named).items()]
     page.table(f"tasks-{key}", ("mean success over seeds", *named), lines)
 
 

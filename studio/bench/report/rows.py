@@ -98,6 +98,20 @@ def estimates(rows_by_name: Mapping[Any, Rows], value: str) -> dict[Any, Estimat
     return {label: over_seeds(rows, value) for label, rows in rows_by_name.items()}
 
 
+def task_rates(rows_by_name: Mapping[Any, Rows]) -> dict[str, dict[Any, float]]:
+    """Mean success over seeds on each task, of the groups that have runs on it."""
+    found: dict[str, dict[Any, float]] = {}
+    for task in different([row for rows in rows_by_name.values() for row in rows], "task"):
+        parts = {
+            label: [row for row in rows if row["task"] == task]
+            for label, rows in rows_by_name.items()
+        }
+        found[task] = {
+            label: over_seeds(part, "success_rate").mean for label, part in parts.items() if part
+        }
+    return found
+
+
 def different(rows: Iterable[Row], column: str) -> list[Any]:
     """Values of a column, each once."""
     return sorted({row[column] for row in rows})
