@@ -110,10 +110,8 @@ class Program:
         solver.setOptionValue("time_limit", max(seconds, 0.01))
         if first:
             solver.setOptionValue("mip_max_improving_sols", 1)
-        if stop is not None:
-            solver.heed(stop)
         solver.passModel(self._model(column))
-        _run(solver)
+        _run(solver, stop or threading.Event())
         return _solution(solver)
 
     def _model(self, column: int) -> highspy.HighsLp:
@@ -135,11 +133,28 @@ class Program:
         return model
 
 
-def _run(solver: highspy.Highs) -> None:
-    """Solve on a thread: Ctrl-C reaches a thread that waits, but none that HiGHS has taken over."""
-    thread = threading.Thread(target=solver.run, daemon=True)
-    thread.start()
-    thread.join()
+def _run(solver: _Solver, stop: threading.Event) -> None:
+    """Solve on a thread: Ctrl-C reaches a thread that waits, but none that HiGHS has taken over.
+
+    The thread is waited for in any case: one that is still in HiGHS when Python ends takes the
+    process down.
+    """
+    solver.heed(stop)
+    ended = threading.Event()  # an interrupted `join` of Python 3.11 takes the thread for ended
+
+    def solve() -> None:
+        try:
+            solver.run()
+        finally:
+            ended.set()
+
+    threading.Thread(target=solve, daemon=True).start()
+    try:
+        ended.wait()
+    except KeyboardInterrupt:
+        stop.set()
+        ended.wait()
+        raise
 
 
 def _solution(solver: highspy.Highs) -> Solution:

@@ -27,6 +27,7 @@ from studio.page.asking import Answer, Move, moved_on, planned, random_starts, r
 from studio.page.picture import MapView, Picture, Simulated, draw_picture, simulate_picture
 from studio.page.subject import Subject
 from studio.page.trainer import Training
+from studio.page.worker import Worker
 
 STARTS = 64
 """Random starts of which the share that succeeds is measured."""
@@ -110,8 +111,7 @@ class Analyst:
         self._lock = threading.Lock()
         """Held while requests, answers and the subject change."""
         self._wake = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="analyst", daemon=True)
-        self._thread.start()
+        self._worker = Worker("analyst", self._work, self._end)
 
     @property
     def busy(self) -> bool:
@@ -213,10 +213,11 @@ class Analyst:
 
     def close(self) -> bool:
         """End the thread; returns whether it has ended (not while it compiles)."""
+        return self._worker.close()
+
+    def _end(self) -> None:
         self._closed = True
         self._wake.set()
-        self._thread.join(timeout=3)
-        return not self._thread.is_alive()
 
     def _work(self) -> None:
         drawn, due, answered = _Drawn(), 0.0, False

@@ -1,9 +1,9 @@
 """Exact plans on the page: one search on a thread of its own, watched and stopped from outside."""
 
-import threading
 import time
 import traceback
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from core.task.protocols import stride_of
 from core.task.task import Task
 from scenes import Region, Scene, robot_of, scene_formula
 from scenes.outlines import margins_of, setting_of
+from studio.page.worker import Worker
 from studio.runs.exact import replayed
 from studio.runs.recording import Recording, record
 
@@ -51,7 +52,7 @@ class ExactPlanner:
 
     def __init__(self) -> None:
         self.search: Search | None = None
-        self._threads: list[threading.Thread] = []
+        self._workers: list[Worker] = []
         self._told: Search | None = None
 
     @property
@@ -81,9 +82,9 @@ class ExactPlanner:
             asked = scene
         setting_of(asked)
         self.search = search = Search(scene, limit, time.monotonic(), Watch())
-        thread = threading.Thread(target=self._work, args=(search, task, asked), daemon=True)
-        self._threads = [each for each in self._threads if each.is_alive()] + [thread]
-        thread.start()
+        work = partial(self._work, search, task, asked)
+        worker = Worker("exact", work, search.watch.stop.set)
+        self._workers = [each for each in self._workers if each.alive] + [worker]
 
     def news(self) -> Search | None:
         """The search, once, when it has ended with a plan that the robot has carried out."""
@@ -105,10 +106,7 @@ class ExactPlanner:
 
     def close(self) -> bool:
         """Stop; whether the threads have ended."""
-        self.stop()
-        for thread in self._threads:
-            thread.join(timeout=3)
-        return not any(thread.is_alive() for thread in self._threads)
+        return all([worker.close() for worker in self._workers])
 
     def _work(self, search: Search, task: Task, scene: Scene) -> None:
         try:

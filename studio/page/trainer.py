@@ -28,6 +28,7 @@ from core.methods.training import (
 )
 from core.task.task import Task
 from scenes import Scene
+from studio.page.worker import Worker
 
 
 class Phase(Enum):
@@ -149,8 +150,7 @@ class Trainer:
         self._job: _Job | None = None
         self._jobs: SimpleQueue[_Job | None] = SimpleQueue()
         self._lock = threading.Lock()
-        self._thread = threading.Thread(target=self._work, name="trainer", daemon=True)
-        self._thread.start()
+        self._worker = Worker("trainer", self._work, self._end)
 
     def start(
         self,
@@ -249,10 +249,11 @@ class Trainer:
 
     def close(self) -> bool:
         """Stop and end the thread; returns whether it has ended (not while it compiles)."""
+        return self._worker.close()
+
+    def _end(self) -> None:
         self.stop()
         self._jobs.put(None)
-        self._thread.join(timeout=3)
-        return not self._thread.is_alive()
 
     def _work(self) -> None:
         while (job := self._jobs.get()) is not None:

@@ -14,6 +14,7 @@ from dataclasses import replace
 from core.errors import UserError
 from scenes import Scene
 from studio.page.editing.specification import Specification, edited, same_task
+from studio.page.worker import Worker
 from studio.runs.findings import require_possible
 from studio.runs.tasks import ground_scene
 
@@ -34,8 +35,7 @@ class Judge:
         self._answer: tuple[Scene, Specification] | None = None
         self._changed = threading.Condition()
         self._closed = False
-        self._thread = threading.Thread(target=self._work, name="judge", daemon=True)
-        self._thread.start()
+        self._worker = Worker("judge", self._work, self._end)
 
     @property
     def building(self) -> bool:
@@ -87,11 +87,12 @@ class Judge:
 
     def close(self) -> bool:
         """End the thread; returns whether it has ended."""
+        return self._worker.close()
+
+    def _end(self) -> None:
         with self._changed:
             self._closed = True
             self._changed.notify_all()
-        self._thread.join(timeout=3)
-        return not self._thread.is_alive()
 
     def _settled(self) -> bool:
         """Whether there is nothing to wait for."""

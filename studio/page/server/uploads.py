@@ -115,7 +115,7 @@ class Uploads:
             self._refuse(transfer.client, "The file is shorter than announced.")
             return
         transfer.complete = True
-        threading.Thread(target=self._deliver, args=(name, transfer), daemon=True).start()
+        threading.Thread(target=self._deliver, args=(name, transfer)).start()
 
     def _deliver(self, name: str, transfer: _Transfer) -> None:
         client = self._server.get_clients().get(transfer.client)

@@ -61,7 +61,7 @@ class Clicking(Analyst):
     @property
     def _request(self):
         found = self._kept
-        if self.armed and threading.current_thread() is self._thread:
+        if self.armed and threading.current_thread().name == "analyst":
             self.armed = False
             click = threading.Thread(target=self.ask, args=(SECOND,))
             click.start()

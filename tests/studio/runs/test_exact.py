@@ -1,12 +1,15 @@
 """`--exact` from the command line."""
 
 import json
+import signal
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
 
 from scenes import load_task
-from tests.studio.runs.test_commands import here, run
+from tests.studio.runs.test_commands import ROOT, here, run
 from tests.tools.witness import judge
 
 __all__ = ["here"]
@@ -49,3 +52,33 @@ def test_what_cannot_be_used_is_refused(here, capsys, arguments, message):
     status, lines, errors = run(capsys, *arguments)
     assert (status, lines) == (2, [])
     assert message in errors
+
+
+# Says when the solver begins with the schedules, and when it has left them.
+TELLING = """
+import sys
+from core.planning import program
+run = program._Solver.run
+def told(solver):
+    if solver.getNumCol() < 1000:
+        return run(solver)
+    print("solving", flush=True)
+    status = run(solver)
+    print("ended", flush=True)
+    return status
+program._Solver.run = told
+from studio.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_ctrl_c_ends_the_search_and_then_the_process():
+    # linear-05 takes the solver seconds; a process that ends in the middle of it crashes.
+    command = [sys.executable, "-c", TELLING, "--exact", "--task", "linear-05"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, cwd=ROOT, stdout=pipe, stderr=pipe, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "solving\n"
+        process.send_signal(signal.SIGINT)
+        rest, errors = process.communicate()
+    assert (process.returncode, rest, errors) == (130, "ended\n", "aborted\n")
