@@ -1,4 +1,4 @@
-"""The `paper` mode of the grounded MDP: exactly as in Sec. 4.2 of the paper.
+"""The `paper` mode of the grounded MDP, as in Sec. 4.2 of the paper.
 
 Transition: p_prev' = p, r' = h(r, x', tau', p), p' = p + 1(r' = 2), chi' as in the paper. The
 flag r checks a stay at its entry and its exit only. Only a
@@ -6,6 +6,7 @@ simulation that diverges ends an episode before its horizon.
 
 Reward: R = lambda_1 mu_p(x) + lambda_2 1(p_prev != p) + lambda_3 1(p = N_g and chi = 1)
 + lambda_4 1(some chi_k = 0); the formula's robustness is added at the final step by the learner.
+All of it is multiplied by `scale`, which changes nothing about which policy is best.
 
 The paper's h is written with p' on both sides of p' = p + 1(r' = 2); we read the inner p' as p.
 """
@@ -49,7 +50,9 @@ class PaperMode:
     progress: Weight = 20.0
     success: Weight = 20.0
     violation: Weight = -3.0
-    scale: Positive = 1.0
+    scale: Positive = 0.02
+    """Multiplies all rewards, so that the critic's values are of the order of one; the critic's
+    error, and with it the norm to which PPO clips its gradient, is mostly that of large values."""
     exploring: Share = 0.0
     gradual_stays: bool = False
     time: bool = True

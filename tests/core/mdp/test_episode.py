@@ -147,7 +147,7 @@ def _paper_reference(task, schedule, margins, mode):
 @pytest.mark.parametrize("formula", FORMULAS)
 def test_paper_transition_and_reward_to_the_letter(formula):
     task = toy_task(formula)
-    mode = PaperMode()
+    mode = PaperMode(scale=1.0)
     _, schedules, episodes, rewards, ends = _walks(formula, mode, 11)
     assert not ends[:-1].any() and ends[-1].all()
     for walk in range(WALKS):
