@@ -65,7 +65,8 @@ def test_a_configuration_in_paper_mode_is_read(tmp_path):
     assert isinstance(config.training.algorithm.mode, PaperMode)
     assert config.training.time_limit == np.inf, "null stands for no limit"
     today = make_config(load_task("unicycle-08"), mode="paper", method="tgpo", seed=5)
-    algorithm = replace(today.training.algorithm, minibatches=8)  # the preset has 32 since
+    preset = today.training.algorithm  # has had other minibatches, and a unit of rewards, since
+    algorithm = replace(preset, minibatches=8, mode=replace(preset.mode, scale=1.0))
     assert config == replace(today, training=replace(today.training, algorithm=algorithm))
 
 
