@@ -51,8 +51,8 @@ class PaperMode:
     success: Weight = 20.0
     violation: Weight = -3.0
     scale: Positive = 0.02
-    """Multiplies all rewards, so that the critic's values are of the order of one; the critic's
-    error, and with it the norm to which PPO clips its gradient, is mostly that of large values."""
+    """Multiplies all rewards: values in the hundreds take the critic tens of epochs to reach, and
+    until then its error dominates the gradient, whose norm PPO clips."""
     exploring: Share = 0.0
     gradual_stays: bool = False
     time: bool = True

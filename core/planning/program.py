@@ -102,7 +102,7 @@ class Program:
             column: what is maximised.
             seconds: of search, at most.
             first: whether to stop at the first solution.
-            stop: ends the search once it is set.
+            stop: ends the search once it is set; Ctrl-C sets it.
         """
         solver = _Solver()
         solver.setOptionValue("output_flag", False)
