@@ -148,8 +148,8 @@ def _run(solver: _Solver, stop: threading.Event) -> None:
         finally:
             ended.set()
 
-    threading.Thread(target=solve, daemon=True).start()
     try:
+        threading.Thread(target=solve, daemon=True).start()
         ended.wait()
     except KeyboardInterrupt:
         stop.set()
