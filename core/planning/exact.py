@@ -232,7 +232,7 @@ class _Search:
 
     def _resting(self, found: _Found) -> _Found:
         """The same trace, but at rest from a step after which nothing depends on it."""
-        positions = found.positions
+        positions, least = found
         if positions is None or isinstance(self.formula, Constant):
             return found
         low, high = 0, len(positions) - 1
@@ -240,11 +240,13 @@ class _Search:
             middle = (low + high) // 2
             rested = positions.copy()
             rested[middle:] = rested[middle]
-            if self._judged(rested)[0] >= found.robustness:
+            robustness, _ = self._judged(rested)
+            if robustness >= least:
                 positions, high = rested, middle
+                found = _Found(rested, robustness)
             else:
                 low = middle + 1
-        return found._replace(positions=positions)
+        return found
 
     def _judged(self, positions: np.ndarray):
         """Exact robustness of positions [T + 1, d], and the literals that decide it."""

@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from core.planning.exact import TOLERANCE, Setting, plan_exactly
@@ -58,6 +58,7 @@ LATTICE = lattice(4)
 
 @settings(max_examples=150, deadline=None)
 @given(formulas(3, max_bound=2, constants=False))
+@example(parse("!A -> (!A)U_[0:0](G_[1:2](C))"))  # at rest, its trace is more robust
 def test_no_trace_of_a_lattice_is_more_robust(formula):
     assume(horizon(formula) <= 4)
     best = float(np.max(robustness(formula, LATTICE, ATOMS)))
